@@ -10,10 +10,11 @@ set(SEXTANT_MAY_USE_features base frame geometry)
 set(SEXTANT_MAY_USE_tables base features frame geometry)
 set(SEXTANT_MAY_USE_search base model tables geometry)
 set(SEXTANT_MAY_USE_refine base search frame model geometry)
+set(SEXTANT_MAY_USE_detect base geometry frame model features tables search refine)
 set(SEXTANT_MAY_USE_publish base refine idl geometry)
 set(SEXTANT_MAY_USE_hal base geometry frame idl)
-set(SEXTANT_MAY_USE_daemon base geometry frame model features tables search refine publish hal idl)
-set(SEXTANT_MAY_USE_offline base geometry frame model features tables search refine publish hal idl offline)
+set(SEXTANT_MAY_USE_daemon base detect geometry frame model features tables search refine publish hal idl)
+set(SEXTANT_MAY_USE_offline base detect geometry frame model features tables search refine publish hal idl offline)
 
 # sextant_room(NAME [KIND kind] SOURCES files... USES rooms... LIBRARIES external targets...)
 # NAME is the target's short name; KIND (default NAME) is the row of the table above that rules it:
