@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// The two programs of the renderer. The geometry pass writes the ray depth of the surface point at the
+// pixel's centre and the item's index; the colour pass lights it. Sharing one vertex shader keeps both
+// passes on the same pixels.
+#pragma once
+
+namespace sextant {
+
+inline constexpr const char* kVertexShader = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec3 colour;
+layout(location = 3) in vec2 uv;
+uniform mat4 clip_from_camera;
+uniform mat4 camera_from_mesh;
+out vec3 p_in_camera;
+out vec3 n_in_camera;
+out vec3 vertex_colour;
+out vec2 vertex_uv;
+void main() {
+  vec4 p = camera_from_mesh * vec4(position, 1.0);
+  p_in_camera = p.xyz;
+  n_in_camera = mat3(camera_from_mesh) * normal;
+  vertex_colour = colour;
+  vertex_uv = uv;
+  gl_Position = clip_from_camera * p;
+}
+)";
+
+inline constexpr const char* kGeometryShader = R"(#version 330 core
+in vec3 p_in_camera;
+uniform int item;
+layout(location = 0) out float ray_depth;
+layout(location = 1) out int item_out;
+void main() {
+  ray_depth = length(p_in_camera);
+  item_out = item;
+}
+)";
+
+inline constexpr const char* kColourShader = R"(#version 330 core
+in vec3 p_in_camera;
+in vec3 n_in_camera;
+in vec3 vertex_colour;
+in vec2 vertex_uv;
+uniform vec3 diffuse;
+uniform bool textured;
+uniform sampler2D image;
+uniform vec3 light_in_camera;
+uniform float ambient;
+layout(location = 0) out vec4 colour;
+void main() {
+  vec3 n = normalize(n_in_camera);
+  if (dot(n, p_in_camera) > 0.0) n = -n;
+  float lambert = max(0.0, dot(n, normalize(light_in_camera - p_in_camera)));
+  vec3 albedo = vertex_colour * diffuse;
+  if (textured) albedo *= texture(image, vec2(vertex_uv.x, 1.0 - vertex_uv.y)).rgb;
+  colour = vec4(albedo * (ambient + (1.0 - ambient) * lambert), 1.0);
+}
+)";
+
+}  // namespace sextant
