@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,11 +28,10 @@ struct DetectOptions {
   TableGeometry fixed_table;
   TableTolerance tolerance;
   int max_detections = 1;           ///< per object, 1..100
-  double threshold = -1e300;        ///< log score that a detection must reach; very low: the model's own
-  bool has_threshold = false;       ///< false: take the model's own default
+  std::optional<double> threshold;  ///< log score that a detection must reach; empty: 35 % of the evidence
   double deadline_ms = 0;           ///< for the search of one frame; 0 = none
   int threads = 0;                  ///< of the search; 0 = all cores
-  std::string scoring = "thesis";   ///< see sextant detect --help
+  std::string scoring = "likelihood";///< see sextant detect --help
   std::string bound = "window";     ///< see sextant detect --help
   int search_width = 0;             ///< width of the image that is searched; 0 = the frame's
   double min_distance_m = 0.35;     ///< nearest object centre searched

@@ -17,21 +17,21 @@ namespace sextant {
 /// A part that expects an edge of one direction near a position (eqs. 3.3-3.5).
 /// Expected pixel: (x, y) + focal / z * (c[0] + c[1] rx + c[2] ry + c[3] rz), rows for u and v.
 struct VisualPart {
-  std::uint8_t kind = 0;      ///< edge direction, 0..kFeatureKinds-1
-  std::array<float, 4> u{};   ///< a, c, e, g: metres at unit distance scale (tangent * metre)
-  std::array<float, 4> v{};   ///< b, d, f, h
-  float variance = 0;         ///< (tangent * metre)^2
-  float radius = 0;           ///< receptive field r, tangent * metre
+  std::uint8_t kind = 0;     ///< edge direction, 0..kFeatureKinds-1
+  std::array<float, 4> u{};  ///< a, c, e, g: metres at unit distance scale (tangent * metre)
+  std::array<float, 4> v{};  ///< b, d, f, h
+  float variance = 0;        ///< (tangent * metre)^2
+  float radius = 0;          ///< receptive field r, tangent * metre
 };
 
 /// A part that expects a depth at a fixed position (eqs. 3.6-3.8).
 /// Pixel: (x, y) + focal / z * (px, py); expected ray depth: z + d[0] + d[1] rx + d[2] ry + d[3] rz.
 struct DepthPart {
-  float px = 0, py = 0;       ///< tangent * metre
-  std::array<float, 4> d{};   ///< i, j, k, l: metres (per radian)
-  float variance = 0;         ///< m^2
-  float radius = 0;           ///< r, metres
-  float missing = 0;          ///< d0: difference assumed where depth is missing, metres, <= radius
+  float px = 0, py = 0;      ///< tangent * metre
+  std::array<float, 4> d{};  ///< i, j, k, l: metres (per radian)
+  float variance = 0;        ///< m^2
+  float radius = 0;          ///< r, metres
+  float missing = 0;         ///< d0: difference assumed where depth is missing, metres, <= radius
 };
 
 /// Half-open box of rotations in whole degrees: lo <= angle < hi for rx, ry, rz.
@@ -51,27 +51,27 @@ struct ViewpointBin {
 
 /// Triangles of the object for overlays and refinement: a simplified copy of the mesh, in the object frame.
 struct ModelMesh {
-  std::vector<Eigen::Vector3f> vertices;              ///< metres
+  std::vector<Eigen::Vector3f> vertices;  ///< metres
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
 /// What makes a model reproducible, and who it is.
 struct ModelProvenance {
-  std::string program_version;   ///< "sextant 0.1.0"
-  std::string mesh_name;         ///< file name of the mesh, no folder
-  std::uint64_t mesh_hash = 0;   ///< XXH3 of the mesh file's bytes
+  std::string program_version;  ///< "sextant 0.1.0"
+  std::string mesh_name;        ///< file name of the mesh, no folder
+  std::uint64_t mesh_hash = 0;  ///< XXH3 of the mesh file's bytes
   std::uint64_t seed = 0;
-  std::string parameters;        ///< the learning parameters as one line of YAML flow mapping
+  std::string parameters;  ///< the learning parameters as one line of YAML flow mapping
 };
 
 /// A compiled object.
 struct ObjectModel {
-  std::string name;              ///< e.g. "mug": the file name's stem
-  int object_id = 1;             ///< BOP object id
-  int symmetry_deg = 360;        ///< 0 rotational, 90, 180 or 360: with the object's print
+  std::string name;                  ///< e.g. "mug": the file name's stem
+  int object_id = 1;                 ///< BOP object id
+  int symmetry_deg = 360;            ///< 0 rotational, 90, 180 or 360: with the object's print
   int geometric_symmetry_deg = 360;  ///< of the shape alone, for evaluation
-  double bounding_radius_m = 0;  ///< of the bounding sphere around the object frame's origin
-  double centre_height_m = 0;    ///< of the object frame's origin above the table when it stands
+  double bounding_radius_m = 0;      ///< of the bounding sphere around the object frame's origin
+  double centre_height_m = 0;        ///< of the object frame's origin above the table when it stands
   /// Object frame (origin in the bounding sphere's centre, z up in the resting pose) from the mesh's own
   /// frame in metres: p_in_object = object_from_mesh * p_in_mesh.
   RigidTransform object_from_mesh = RigidTransform::Identity();

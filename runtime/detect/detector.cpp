@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/detect/detector.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "runtime/base/error.h"
+#include "runtime/features/edges.h"
+#include "runtime/frame/search_frame.h"
+#include "runtime/frame/table_estimate.h"
+#include "runtime/geometry/pose_mapping.h"
+#include "runtime/search/branch_and_bound.h"
+
+namespace sextant {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// A model under the chosen scoring.
+struct SearchedObject {
+  std::vector<ScoredBin> bins;
+  double threshold = 0;
+  double largest_visual_radius = 0;
+};
+
+void check(const DetectOptions& o) {
+  if (o.max_detections < 1 || o.max_detections > 100) throw UsageError("max detections must be 1..100");
+  if (o.threads < 0 || o.threads > 256) throw UsageError("threads must be 0..256 (0: all cores)");
+  if (!(o.deadline_ms >= 0)) throw UsageError("the deadline must be >= 0 ms (0: none)");
+  if (!(o.min_distance_m > 0.05) || !(o.max_distance_m > o.min_distance_m) || o.max_distance_m > 60) {
+    throw UsageError("distances must satisfy 0.05 < min < max <= 60 m");
+  }
+  if (o.search_width != 0 && (o.search_width < 64 || o.search_width > 4096)) {
+    throw UsageError("the search width must be 64..4096 pixels (0: the frame's)");
+  }
+  if (o.bound != "window") throw UsageError("no bound is called \"" + o.bound + "\"", "use window");
+}
+
+/// Pixel box of the object's outline in the source image: x, y, width, height.
+std::array<double, 4> outline_box(const ObjectModel& model, const CameraModel& camera,
+                                  const RigidTransform& camera_from_object) {
+  double x0 = std::numeric_limits<double>::infinity();
+  double y0 = x0;
+  double x1 = -x0;
+  double y1 = -x0;
+  for (const Eigen::Vector3f& v : model.mesh.vertices) {
+    const Eigen::Vector3d p = camera_from_object * v.cast<double>();
+    if (p.z() <= 1e-3) continue;
+    const Eigen::Vector2d pixel = camera.distorted_pixel({p.x() / p.z(), p.y() / p.z()});
+    x0 = std::min(x0, pixel.x());
+    x1 = std::max(x1, pixel.x());
+    y0 = std::min(y0, pixel.y());
+    y1 = std::max(y1, pixel.y());
+  }
+  if (x0 > x1) return {};
+  return {x0, y0, x1 - x0, y1 - y0};
+}
+
+}  // namespace
+
+struct Detector::Impl {
+  std::vector<ObjectModel> models;
+  DetectOptions options;
+  std::vector<SearchedObject> objects;
+  WorkerPool pool;
+  FrameTables tables;
+
+  Impl(std::vector<ObjectModel> m, DetectOptions o) : models(std::move(m)), options(std::move(o)), pool(options.threads) {
+    check(options);
+    if (models.empty()) throw UsageError("no model to look for", "give at least one compiled model");
+    const Scoring scoring = scoring_from_name(options.scoring);
+    for (const ObjectModel& model : models) {
+      SearchedObject object;
+      object.bins = score_bins(model, scoring);
+      object.threshold = options.threshold.value_or(default_threshold(object.bins));
+      for (const ScoredBin& bin : object.bins) {
+        object.largest_visual_radius = std::max(object.largest_visual_radius, double{bin.largest_visual_radius});
+      }
+      objects.push_back(std::move(object));
+    }
+  }
+
+  std::optional<TableGeometry> table_for(const RgbdFrame& frame, const SearchFrame& rectified) const {
+    const std::string where = "image " + std::to_string(frame.image_id);
+    switch (options.table) {
+      case TableSource::kNone: return std::nullopt;
+      case TableSource::kFixed: return options.fixed_table;
+      case TableSource::kFrame:
+        if (!frame.table) {
+          throw InputError(where, "the frame does not say where the table is",
+                           "add scene_table.json, or use a table estimate, fixed values, or none");
+        }
+        return frame.table;
+      case TableSource::kEstimate: {
+        const auto estimate = estimate_table(rectified);
+        if (!estimate) {
+          throw InputError(where, "no table is visible in the depth image", "point the camera at the table");
+        }
+        return estimate->table;
+      }
+    }
+    return std::nullopt;
+  }
+
+  int clip_radius(const PinholeCamera& camera) const {
+    double largest = 0;
+    for (const SearchedObject& o : objects) largest = std::max(largest, o.largest_visual_radius);
+    const double pixels = std::ceil(largest * camera.focal / options.min_distance_m) + 1;
+    return static_cast<int>(std::clamp(pixels, 2.0, 200.0));
+  }
+
+  FrameResult detect(const RgbdFrame& frame) {
+    FrameResult result;
+    result.captured_at = frame.captured_at;
+    result.frame_id = frame.frame_id;
+    result.sequence = frame.sequence;
+    result.scene_id = frame.scene_id;
+    result.image_id = frame.image_id;
+
+    const auto start = Clock::now();
+    const SearchFrame rectified = sextant::rectified(frame, options.search_width);
+    const cv::Mat edges = edges_by_direction(rectified.colour);
+    const std::optional<TableGeometry> table = table_for(frame, rectified);
+    result.seconds.features = seconds_since(start);
+
+    const auto tables_start = Clock::now();
+    tables.build(rectified, edges, clip_radius(rectified.camera));
+    result.seconds.tables = seconds_since(tables_start);
+
+    const auto search_start = Clock::now();
+    for (std::size_t i = 0; i < models.size(); ++i) search(i, frame, rectified.camera, table, search_start, result);
+    result.seconds.search = seconds_since(search_start);
+    result.seconds.total = seconds_since(start);
+    return result;
+  }
+
+  void search(std::size_t index, const RgbdFrame& frame, const PinholeCamera& camera,
+              const std::optional<TableGeometry>& table, Clock::time_point start, FrameResult& result) {
+    const ObjectModel& model = models[index];
+    const SearchedObject& object = objects[index];
+    std::optional<TableConstraint> standing;
+    if (table) standing = TableConstraint{*table, options.tolerance, model.centre_height_m};
+    const Constraint constraint(camera, options.min_distance_m, options.max_distance_m, standing);
+    SearchOptions search_options;
+    search_options.max_detections = options.max_detections;
+    search_options.threshold = object.threshold;
+    if (options.deadline_ms > 0) {
+      // Every object gets its share of what is left.
+      const double left_ms = options.deadline_ms - 1e3 * seconds_since(start);
+      const double share_ms = left_ms / static_cast<double>(models.size() - index);
+      const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                          std::chrono::duration<double, std::milli>(share_ms));
+      search_options.expired = [end] { return Clock::now() >= end; };
+    }
+    const SearchOutcome outcome =
+        branch_and_bound({object.bins, tables, constraint, model.bounding_radius_m}, search_options, pool);
+    result.nodes += outcome.nodes;
+
+    ObjectOutcome summary;
+    summary.object_id = model.object_id;
+    summary.object_name = model.name;
+    summary.upper_bound = outcome.upper_bound;
+    summary.threshold = object.threshold;
+    summary.coverage = constraint.coverage(model.bins);
+    summary.status = !outcome.complete ? SearchStatus::kBounded
+                     : outcome.found.empty() ? SearchStatus::kAbsent
+                                             : SearchStatus::kOptimal;
+    for (const ScoredPose& found : outcome.found) {
+      const RigidTransform camera_from_object = transform_from_pose(camera, pose_of(found.pose));
+      PoseEstimate e;
+      e.object_id = model.object_id;
+      e.object_name = model.name;
+      e.camera_from_object = camera_from_object * model.object_from_mesh;
+      e.log_score = found.score;
+      e.score = evidence_share(object.bins[static_cast<std::size_t>(found.pose.bin)], found.score);
+      e.upper_bound = outcome.upper_bound;
+      e.gap = std::max(0.0, outcome.upper_bound - found.score);
+      e.status = outcome.complete || e.gap == 0 ? SearchStatus::kOptimal : SearchStatus::kBounded;
+      e.bbox = outline_box(model, frame.camera, camera_from_object);
+      result.estimates.push_back(std::move(e));
+    }
+    result.objects.push_back(std::move(summary));
+  }
+};
+
+Detector::Detector(std::vector<ObjectModel> models, DetectOptions options)
+    : impl_(std::make_unique<Impl>(std::move(models), std::move(options))) {}
+Detector::~Detector() = default;
+FrameResult Detector::detect(const RgbdFrame& frame) { return impl_->detect(frame); }
+const std::vector<ObjectModel>& Detector::models() const { return impl_->models; }
+
+}  // namespace sextant

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Visual features: Canny edges in eight undirected directions (Davies 2015, sec. 5.1; Canny 1986). Integer
+// arithmetic only, so that every CPU sees the same edges; learning and detection call the same function.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace sextant {
+
+/// Thresholds are for the Euclidean norm of the 3x3 Sobel gradient of 8-bit images: a sharp step of s grey
+/// levels gives 4 s.
+struct EdgeOptions {
+  int low = 60;    ///< weak edges that touch strong ones are kept, 1..4000
+  int high = 120;  ///< strong edges, low..4000
+};
+
+/// Edges by direction: CV_8UC1, bit k set where the pixel is an edge whose line runs at about k * 22.5 deg
+/// (x right, y down; 0 = horizontal). colour: CV_8UC3. Per pixel the channel with the largest gradient counts.
+cv::Mat edges_by_direction(const cv::Mat& colour, const EdgeOptions& options = {});
+
+/// Direction kind 0..7 of an edge with integer gradient (dx, dy), not both 0; |dx|, |dy| < 32768.
+int edge_kind(int dx, int dy);
+
+}  // namespace sextant

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// The lattice of poses over which "the global optimum" is claimed (METHOD.md section 6): 1 px, 1 px, 2 mm,
+// 1 deg, 1 deg, 1 deg, anchored at 0 for every frame and bin, never re-anchored by clipping. Regions are
+// boxes of lattice poses of one viewpoint bin.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <numbers>
+
+#include "runtime/geometry/pose6.h"
+
+namespace sextant {
+
+inline constexpr double kLatticeDistance = 0.002;                    ///< metres per step of z
+inline constexpr double kLatticeAngle = std::numbers::pi / 180.0;    ///< radians per step of rx, ry, rz
+
+/// Dimensions of a pose, in the order of the total order that breaks ties.
+enum Dimension : std::uint8_t { kX = 0, kY, kZ, kRx, kRy, kRz, kDimensions };
+
+/// One pose of the lattice in one bin. The comparison is the fixed total order (bin, x, y, z, rx, ry, rz).
+struct LatticePose {
+  std::int32_t bin = 0;
+  std::array<std::int16_t, kDimensions> at{};
+
+  auto operator<=>(const LatticePose&) const = default;
+};
+
+/// Coordinates as the score sees them: single precision, monotone in the lattice index.
+inline float lattice_pixel(int index) { return static_cast<float>(index); }
+inline float lattice_distance(int index) { return static_cast<float>(index * kLatticeDistance); }
+inline float lattice_angle(int index) { return static_cast<float>(index * kLatticeAngle); }
+
+/// The pose in pixels, metres, radians.
+inline Pose6 pose_of(const LatticePose& p) {
+  return {static_cast<double>(p.at[kX]),    static_cast<double>(p.at[kY]),    p.at[kZ] * kLatticeDistance,
+          p.at[kRx] * kLatticeAngle,        p.at[kRy] * kLatticeAngle,        p.at[kRz] * kLatticeAngle};
+}
+
+/// A box of lattice poses of one bin: lo <= index <= hi in every dimension (closed, unlike the thesis's real
+/// intervals: integers need no half-open ends).
+struct Region {
+  std::int32_t bin = 0;
+  std::array<std::int16_t, kDimensions> lo{};
+  std::array<std::int16_t, kDimensions> hi{};
+
+  bool empty() const {
+    for (std::size_t d = 0; d < kDimensions; ++d) {
+      if (lo[d] > hi[d]) return true;
+    }
+    return false;
+  }
+  bool single() const { return lo == hi; }
+  bool contains(const LatticePose& p) const {
+    if (p.bin != bin) return false;
+    for (std::size_t d = 0; d < kDimensions; ++d) {
+      if (p.at[d] < lo[d] || p.at[d] > hi[d]) return false;
+    }
+    return true;
+  }
+  LatticePose first() const { return {bin, lo}; }
+  double volume() const {
+    double v = 1;
+    for (std::size_t d = 0; d < kDimensions; ++d) v *= hi[d] - lo[d] + 1;
+    return v;
+  }
+  bool operator==(const Region&) const = default;
+};
+
+}  // namespace sextant
