@@ -141,7 +141,7 @@ class Decoder {
     const auto radii = array(*from.radius(), n);
     const auto missing = array(*from.missing(), n);
     const auto positions = steps_array(*from.positions(), 2 * n);
-    const int step = from.position_step();
+    const auto step = static_cast<int>(from.position_step());
     require_step(step);
     require(std::ldexp(0.5, step) <= kPositionRoundingLimit * limit_scale_,
             "a step is not one that this format allows");
