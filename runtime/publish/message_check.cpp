@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/publish/message_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <span>
+
+#include "runtime/base/error.h"
+
+namespace sextant {
+
+namespace {
+
+constexpr std::size_t kLongestText = 1024;
+constexpr std::uint32_t kMostElements = 10'000;
+constexpr double kFarthest_m = 1e6;
+constexpr double kLargestPixel = 1e6;
+constexpr double kQuaternionTolerance = 1e-3;
+constexpr std::uint32_t kNanosecondsPerSecond = 1'000'000'000;
+
+/// Collects where we are, and throws for the first thing that is wrong.
+struct Checker {
+  const std::string& topic;
+
+  void require(bool good, const char* what) const {
+    if (!good) throw InputError(topic, what, "message ignored");
+  }
+  void text(const char* text) const {
+    require(text != nullptr && strnlen(text, kLongestText + 1) <= kLongestText, "a text is absurdly long");
+  }
+  void count(std::uint32_t length) const { require(length <= kMostElements, "an absurd number of elements"); }
+  void within(double value, double limit, const char* what) const { require(std::abs(value) <= limit, what); }
+
+  void time(const builtin_interfaces_msg_dds__Time_& stamp) const {
+    require(stamp.sec >= 0 && stamp.nanosec < kNanosecondsPerSecond, "a stamp is no time");
+  }
+  void header(const std_msgs_msg_dds__Header_& header) const {
+    time(header.stamp);
+    text(header.frame_id);
+  }
+  void pose(const geometry_msgs_msg_dds__Pose_& pose) const {
+    for (const double d : {pose.position.x, pose.position.y, pose.position.z}) {
+      within(d, kFarthest_m, "a position is not finite or absurdly far");
+    }
+    const auto& q = pose.orientation;
+    // Written so that a NaN fails.
+    within(std::hypot(std::hypot(q.x, q.y), std::hypot(q.z, q.w)) - 1, kQuaternionTolerance,
+           "an orientation is not a unit quaternion");
+  }
+  void pose(const geometry_msgs_msg_dds__PoseWithCovariance_& message) const {
+    pose(message.pose);
+    require(std::all_of(std::begin(message.covariance), std::end(message.covariance),
+                        [](double d) { return std::isfinite(d); }),
+            "a covariance is not finite");
+    for (int i = 0; i < 6; ++i) require(message.covariance[7 * i] >= 0, "a variance is negative");
+  }
+  void bound(double value) const { require(!std::isnan(value), "a bound is not a number"); }
+  void unit(double value, const char* what) const { require(value >= 0 && value <= 1, what); }
+  void status(std::uint8_t value) const {
+    require(value <= static_cast<std::uint8_t>(SearchStatus::kAbsent), "an unknown status");
+  }
+};
+
+template <typename Sequence>
+auto elements(const Sequence& sequence) {
+  return std::span(sequence._buffer, sequence._length);
+}
+
+}  // namespace
+
+void check_message(const Detection3DArrayMessage& message, const std::string& topic) {
+  const Checker check{topic};
+  check.header(message.header);
+  check.count(message.detections._length);
+  for (const auto& detection : elements(message.detections)) {
+    check.header(detection.header);
+    check.text(detection.id);
+    check.pose(detection.bbox.center);
+    for (const double d : {detection.bbox.size.x, detection.bbox.size.y, detection.bbox.size.z}) {
+      check.require(d >= 0 && d <= kFarthest_m, "a box has an impossible size");
+    }
+    check.count(detection.results._length);
+    for (const auto& result : elements(detection.results)) {
+      check.text(result.hypothesis.class_id);
+      check.unit(result.hypothesis.score, "a score is outside 0..1");
+      check.pose(result.pose);
+    }
+  }
+}
+
+void check_message(const PoseStampedMessage& message, const std::string& topic) {
+  const Checker check{topic};
+  check.header(message.header);
+  check.pose(message.pose);
+}
+
+void check_message(const PoseEstimateArrayMessage& message, const std::string& topic) {
+  const Checker check{topic};
+  check.header(message.header);
+  check.time(message.input_stamp);
+  check.text(message.message);
+  check.require(message.solve_time_s >= 0 && std::isfinite(message.solve_time_s), "an impossible solve time");
+  check.count(message.estimates._length);
+  for (const auto& estimate : elements(message.estimates)) {
+    check.text(estimate.object_name);
+    check.pose(estimate.pose);
+    check.unit(estimate.score, "a score is outside 0..1");
+    check.bound(estimate.log_score);
+    check.bound(estimate.upper_bound);
+    check.require(estimate.gap >= 0, "a gap is negative or not a number");
+    check.status(estimate.status);
+    for (const double d : estimate.bbox)
+      check.within(d, kLargestPixel, "a bounding box is not finite or absurd");
+    check.require(estimate.bbox[2] >= 0 && estimate.bbox[3] >= 0, "a bounding box has a negative size");
+  }
+  check.count(message.objects._length);
+  for (const auto& object : elements(message.objects)) {
+    check.text(object.object_name);
+    check.status(object.status);
+    check.bound(object.upper_bound);
+    check.bound(object.threshold);
+    check.unit(object.coverage, "a coverage is outside 0..1");
+  }
+}
+
+std::string printable(const char* text) {
+  std::string out(text);
+  std::replace_if(
+      out.begin(), out.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return out;
+}
+
+}  // namespace sextant
