@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "offline/cli/commands.h"
+#include "offline/cli/inspect_command.h"
 #include "runtime/base/error.h"
 #include "runtime/base/version.h"
 
@@ -25,6 +26,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", sextant::kProgramVersion);
   sextant::add_compile_command(app, exit_code);
+  sextant::add_inspect_command(app, exit_code);
   sextant::add_render_command(app, exit_code);
   sextant::add_detect_command(app, exit_code);
   try {
