@@ -44,7 +44,7 @@ CLI::App* add_inspect_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<InspectArguments>();
   CLI::App* command = app.add_subcommand(
       "inspect", "Print what a compiled model holds and where it came from; draw its viewpoint bins");
-  command->add_option("model", arguments->model, "Compiled model (*.sxtm)")->required()->type_name("MODEL");
+  command->add_option("model", arguments->model, "Compiled model (*.sxm)")->required()->type_name("MODEL");
   command->add_option("--picture", arguments->picture, "Write a contact sheet of bins with their parts")
       ->type_name("FILE.png");
   command
@@ -55,7 +55,7 @@ CLI::App* add_inspect_command(CLI::App& app, int& exit_code) {
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print one JSON object with all bins");
-  command->footer("Example: sextant inspect mug.sxtm --picture mug.png");
+  command->footer("Example: sextant inspect mug.sxm --picture mug.png");
   command->callback([arguments, &exit_code] {
     inspect(*arguments);
     exit_code = 0;

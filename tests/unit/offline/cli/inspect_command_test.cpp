@@ -27,7 +27,7 @@ class Inspect : public testing::Test {
     folder_ = fs::temp_directory_path() / ("sextant-inspect-test-" + std::to_string(::getpid()) + "-" +
                                            testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder_);
-    file_ = folder_ / "box.sxtm";
+    file_ = folder_ / "box.sxm";
     write_model(test::make_box_model(15, 40, 1), file_);
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -99,9 +99,9 @@ TEST_F(Inspect, PictureShowsTheBins) {
 }
 
 TEST_F(Inspect, RefusesBadModelsAndBadUse) {
-  std::ofstream(folder_ / "bad.sxtm") << "not a model, but long enough for a header";
-  EXPECT_THROW(run({(folder_ / "bad.sxtm").string()}), InputError);
-  EXPECT_THROW(run({(folder_ / "missing.sxtm").string()}), InputError);
+  std::ofstream(folder_ / "bad.sxm") << "not a model, but long enough for a header";
+  EXPECT_THROW(run({(folder_ / "bad.sxm").string()}), InputError);
+  EXPECT_THROW(run({(folder_ / "missing.sxm").string()}), InputError);
   EXPECT_THROW(run({file_.string(), "--picture", (folder_ / "no" / "a.png").string()}), InputError);
   EXPECT_THROW(run({file_.string(), "--bins", "0"}), CLI::ParseError);
   EXPECT_THROW(run({}), CLI::ParseError);

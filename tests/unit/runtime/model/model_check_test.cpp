@@ -23,14 +23,14 @@ class ModelCheckFault : public testing::TestWithParam<Fault> {};
 
 TEST_P(ModelCheckFault, IsRefusedByName) {
   ObjectModel model = test::make_box_model(1, 3, 1);
-  check_model(model, "box.sxtm", "advice");
+  check_model(model, "box.sxm", "advice");
   GetParam().make(model);
   try {
-    check_model(model, "box.sxtm", "advice");
+    check_model(model, "box.sxm", "advice");
     FAIL() << "accepted";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr(GetParam().said));
-    EXPECT_THAT(error.what(), testing::StartsWith("box.sxtm: "));
+    EXPECT_THAT(error.what(), testing::StartsWith("box.sxm: "));
     EXPECT_THAT(error.what(), testing::EndsWith("; advice"));
   }
 }

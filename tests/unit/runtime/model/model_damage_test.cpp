@@ -30,7 +30,7 @@ void seal(Bytes& bytes) {
 
 std::string refusal(const Bytes& bytes) {
   try {
-    decode_model(bytes, "some.sxtm");
+    decode_model(bytes, "some.sxm");
   } catch (const InputError& error) {
     return error.what();
   }
@@ -44,7 +44,7 @@ TEST(DamagedModel, EveryFlippedByteIsRefused) {
     for (const unsigned flip : {0x01U, 0x80U, 0xffU}) {
       Bytes damaged = sound;
       damaged[i] ^= static_cast<std::byte>(flip);
-      ASSERT_THAT(refusal(damaged), testing::StartsWith("some.sxtm: ")) << "byte " << i;
+      ASSERT_THAT(refusal(damaged), testing::StartsWith("some.sxm: ")) << "byte " << i;
     }
   }
 }

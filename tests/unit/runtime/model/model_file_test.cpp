@@ -203,7 +203,7 @@ TEST(ModelFile, RefusesToWriteWhatItCannotHold) {
 
 TEST_F(ModelFileOnDisk, WritesAndReadsBack) {
   const ObjectModel model = test::make_box_model(3, 10, 1);
-  const fs::path file = folder_ / "box.sxtm";
+  const fs::path file = folder_ / "box.sxm";
   write_model(model, file);
   write_model(model, file);  // replaces
   const ModelFileContent content = read_model_file(file);
@@ -217,22 +217,22 @@ TEST_F(ModelFileOnDisk, WritesAndReadsBack) {
 
 TEST_F(ModelFileOnDisk, RefusesWhatIsNoModelFile) {
   EXPECT_THROW(read_model(folder_), InputError);
-  EXPECT_THROW(read_model(folder_ / "missing.sxtm"), InputError);
+  EXPECT_THROW(read_model(folder_ / "missing.sxm"), InputError);
   const fs::path pipe = folder_ / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   EXPECT_THROW(read_model(pipe), InputError);
-  std::ofstream(folder_ / "empty.sxtm").close();
-  EXPECT_THROW(read_model(folder_ / "empty.sxtm"), InputError);
-  std::ofstream(folder_ / "text.sxtm") << "This is a text of more than twenty-four bytes.";
-  EXPECT_THROW(read_model(folder_ / "text.sxtm"), InputError);
-  std::ofstream(folder_ / "huge.sxtm").close();
-  fs::resize_file(folder_ / "huge.sxtm", kMaxModelFileBytes + 1);
-  EXPECT_THROW(read_model(folder_ / "huge.sxtm"), InputError);
+  std::ofstream(folder_ / "empty.sxm").close();
+  EXPECT_THROW(read_model(folder_ / "empty.sxm"), InputError);
+  std::ofstream(folder_ / "text.sxm") << "This is a text of more than twenty-four bytes.";
+  EXPECT_THROW(read_model(folder_ / "text.sxm"), InputError);
+  std::ofstream(folder_ / "huge.sxm").close();
+  fs::resize_file(folder_ / "huge.sxm", kMaxModelFileBytes + 1);
+  EXPECT_THROW(read_model(folder_ / "huge.sxm"), InputError);
 }
 
 TEST_F(ModelFileOnDisk, SaysWhereItCouldNotWrite) {
   try {
-    write_model(test::make_box_model(1, 2, 1), folder_ / "no such folder" / "box.sxtm");
+    write_model(test::make_box_model(1, 2, 1), folder_ / "no such folder" / "box.sxm");
     FAIL() << "wrote into a folder that does not exist";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("no such folder"), std::string::npos);
