@@ -61,7 +61,7 @@ void check_config(const DaemonConfig& config, const std::string& where) {
   for (const std::string& topic :
        {config.publish.detections, config.publish.object_pose, config.publish.pose_estimates}) {
     const std::string& prefix = config.publish.name_space;
-    if (!topic.empty() && !is_topic_name(prefix.empty() ? topic : prefix + "/" + topic)) {
+    if (!topic.empty() && !is_topic_name(prefix.empty() ? topic : fmt::format("{}/{}", prefix, topic))) {
       throw InputError(where, "publish.namespace and a topic are too long together",
                        "use at most 200 characters");
     }

@@ -68,7 +68,7 @@ class Reader {
   std::string key_of(const YAML::Node& key, const std::string& kind, const std::vector<std::string>& known,
                      std::set<std::string>& seen) const {
     if (!key.IsScalar()) fail(key, fmt::format("the name of a {} is no text", kind), "write `name:`");
-    const std::string name = key.Scalar();
+    const std::string& name = key.Scalar();
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       const std::string near = nearest_name(name, known);
       fail(key, fmt::format("unknown {} '{}'", kind, shown(name)),
@@ -151,7 +151,7 @@ class Reader {
     const std::string wanted = !f.choices.empty() ? fmt::format("one of {}", fmt::join(f.choices, ", "))
                                : f.accepts        ? f.accepted_form
                                                   : "text of at most 4096 characters";
-    const std::string text = scalar(f, value, wanted);
+    std::string text = scalar(f, value, wanted);
     const bool chosen =
         f.choices.empty() || std::find(f.choices.begin(), f.choices.end(), text) != f.choices.end();
     const bool plain = text.size() <= kLongestText && text.find('\0') == std::string::npos;

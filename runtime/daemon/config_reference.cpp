@@ -38,16 +38,13 @@ std::string comment(const std::string& text, const std::string& indent) {
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (c >= ' ' && c <= '~') {
-      out += c;
-    } else if (static_cast<unsigned char>(c) >= 0x80) {
-      out += c;  // UTF-8 as it is
-    } else {
-      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < ' ' || byte == 0x7f) {
+      out += fmt::format("\\x{:02x}", byte);
+      continue;
     }
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;  // UTF-8 as it is
   }
   return out + "\"";
 }
