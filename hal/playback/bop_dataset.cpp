@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "hal/image/image_file.h"
 #include "hal/playback/depth_image.h"
 #include "hal/playback/json_file.h"
+#include "hal/playback/rotation_input.h"
 #include "runtime/base/error.h"
 
 namespace sextant {
@@ -20,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMaxRotationError = 0.02;  ///< of R R^T - I; BOP files are rounded to a few digits
 constexpr double kMaxDistanceMm = 1e6;
 
 std::string image_label(int image) { return "image " + std::to_string(image); }
@@ -91,19 +90,15 @@ TableGeometry read_table(const JsonView& entry) {
 
 RigidTransform read_pose(const JsonView& entry) {
   const JsonView view = entry.at("cam_R_m2c");
-  const std::vector<double> r = view.numbers(9);
-  Eigen::Matrix3d rotation;
-  rotation << r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8];
-  const double error = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(error < kMaxRotationError && rotation.determinant() > 0)) view.refuse("is not a rotation matrix");
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const std::optional<Eigen::Matrix3d> rotation = rotation_from_rounded(view.numbers(9));
+  if (!rotation) view.refuse("is not a rotation matrix");
   const JsonView translation_view = entry.at("cam_t_m2c");
   const std::vector<double> t = translation_view.numbers(3);
   if (std::any_of(t.begin(), t.end(), [](double v) { return std::abs(v) > kMaxDistanceMm; })) {
     translation_view.refuse("is farther than a kilometre; BOP's unit is mm");
   }
   RigidTransform pose = RigidTransform::Identity();
-  pose.linear() = svd.matrixU() * svd.matrixV().transpose();
+  pose.linear() = *rotation;
   pose.translation() = Eigen::Vector3d(t[0], t[1], t[2]) / 1000.0;
   return pose;
 }

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "offline/dataset/result_json.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace sextant {
+namespace {
+
+TEST(ResultJson, HasExactlyTheDocumentedKeys) {
+  FrameResult result;
+  result.scene_id = 1;
+  result.image_id = 2;
+  result.nodes = 345;
+  result.seconds = {0.1, 0.2, 0.3, 0.4, 1.0};
+  ObjectOutcome outcome;
+  outcome.object_id = 7;
+  outcome.status = SearchStatus::kAbsent;
+  outcome.upper_bound = -std::numeric_limits<double>::infinity();
+  outcome.coverage = 0.5;
+  result.objects = {outcome};
+  PoseEstimate estimate;
+  estimate.object_id = 8;
+  estimate.score = 0.75;
+  estimate.log_score = -3;
+  estimate.upper_bound = -2;
+  estimate.gap = 1;
+  estimate.status = SearchStatus::kBounded;
+  estimate.camera_from_object.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  estimate.camera_from_object.translation() = Eigen::Vector3d(5, 6, 7);
+  estimate.bbox = {1, 2, 3, 4};
+  result.estimates = {estimate};
+  const std::string line = format_result_json(result);
+  EXPECT_EQ(std::string::npos, line.find('\n'));
+  const nlohmann::json expected = nlohmann::json::parse(R"({
+    "scene_id": 1, "im_id": 2,
+    "seconds": {"features": 0.1, "tables": 0.2, "search": 0.3, "refine": 0.4, "total": 1.0}, "nodes": 345,
+    "objects": [{"obj_id": 7, "status": "absent", "upper_bound": null, "coverage": 0.5}],
+    "detections": [{"obj_id": 8, "score": 0.75, "log_score": -3.0, "upper_bound": -2.0, "gap": 1.0,
+      "status": "bounded", "camera_from_object": [[0,-1,0,5],[1,0,0,6],[0,0,1,7],[0,0,0,1]], "bbox": [1,2,3,4]}]})");
+  EXPECT_EQ(expected, nlohmann::json::parse(line));
+}
+
+}  // namespace
+}  // namespace sextant
