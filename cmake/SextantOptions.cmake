@@ -3,6 +3,7 @@
 option(SEXTANT_TESTS "Build the tests" ON)
 option(SEXTANT_MPI "Build sextant-mpi (needs OpenMPI)" ON)
 set(SEXTANT_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+option(SEXTANT_FUZZ "Build the libFuzzer targets of tests/fuzz (Clang only)" OFF)
 
 add_library(sextant_flags INTERFACE)
 target_include_directories(sextant_flags INTERFACE ${CMAKE_SOURCE_DIR} ${CMAKE_BINARY_DIR})
@@ -17,6 +18,12 @@ endif()
 if(SEXTANT_SANITIZE)
   target_compile_options(sextant_flags INTERFACE -fsanitize=${SEXTANT_SANITIZE} -fno-omit-frame-pointer)
   target_link_options(sextant_flags INTERFACE -fsanitize=${SEXTANT_SANITIZE})
+endif()
+if(SEXTANT_FUZZ)
+  # no-link: coverage in every room; only the fuzz targets bring libFuzzer's main().
+  target_compile_options(sextant_flags INTERFACE
+    -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  target_link_options(sextant_flags INTERFACE -fsanitize=address,undefined)
 endif()
 
 find_program(CCACHE ccache)

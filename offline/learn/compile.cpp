@@ -2,14 +2,13 @@
 #include "offline/learn/compile.h"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <filesystem>
-#include <mutex>
 #include <thread>
 
+#include "offline/learn/bin_codec.h"
 #include "offline/learn/learn_bin.h"
 #include "offline/learn/training_view.h"
+#include "offline/learn/worker_processes.h"
 #include "offline/mesh/simplify.h"
 #include "offline/render/renderer.h"
 #include "runtime/base/error.h"
@@ -45,34 +44,34 @@ std::vector<ViewpointBin> learn_bins(const StandingObject& object, const LearnPa
                                      std::size_t stride, const Progress& progress) {
   std::vector<ViewpointBin> bins(boxes.size());
   const std::size_t total = boxes.size() > first ? (boxes.size() - first + stride - 1) / stride : 0;
-  std::atomic<std::size_t> next{0};
   std::size_t done = 0;
-  std::mutex mutex;
-  std::exception_ptr error;
-  const auto work = [&] {
-    try {
-      Renderer renderer;
-      const int mesh = renderer.upload(object.mesh);
-      for (std::size_t i = next++; i < total; i = next++) {
-        const std::size_t bin = first + i * stride;
-        bins[bin] = learn_one(renderer, mesh, object, parameters, boxes[bin], seed_of_bin(parameters.seed, bin));
-        const std::lock_guard lock(mutex);
-        ++done;
-        if (progress) progress(done, total);
-      }
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      if (!error) error = std::current_exception();
-      next = total;
+  const auto keep = [&](std::size_t bin, ViewpointBin learnt) {
+    bins.at(bin) = std::move(learnt);
+    if (progress) progress(++done, total);
+  };
+  // Worker w of n learns every nth of the bins asked for.
+  const auto learn_share = [&](std::size_t worker, std::size_t workers, const auto& give) {
+    Renderer renderer;
+    const int mesh = renderer.upload(object.mesh);
+    for (std::size_t i = worker; i < total; i += workers) {
+      const std::size_t bin = first + i * stride;
+      give(bin, learn_one(renderer, mesh, object, parameters, boxes[bin], seed_of_bin(parameters.seed, bin)));
     }
   };
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-  const unsigned count = threads > 0 ? static_cast<unsigned>(threads) : cores;
-  std::vector<std::thread> pool;
-  for (unsigned i = 1; i < count; ++i) pool.emplace_back(work);
-  work();
-  for (std::thread& t : pool) t.join();
-  if (error) std::rethrow_exception(error);
+  const auto workers = std::min<std::size_t>(threads > 0 ? static_cast<std::size_t>(threads) : cores, total);
+  if (workers <= 1) {
+    learn_share(0, 1, keep);
+    return bins;
+  }
+  run_worker_processes(
+      static_cast<int>(workers),
+      [&](int worker, const Deliver& deliver) {
+        learn_share(static_cast<std::size_t>(worker), workers, [&](std::size_t bin, const ViewpointBin& learnt) {
+          deliver(bin, encode_bin(learnt));
+        });
+      },
+      [&](std::size_t bin, std::span<const std::byte> bytes) { keep(bin, decode_bin(bytes)); });
   return bins;
 }
 

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <optional>
+#include <tuple>
 
 namespace sextant {
 namespace {
@@ -19,6 +19,8 @@ using Eigen::Vector3d;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSameFaceRad = 1 * kDegree;
 constexpr double kSamePoseRad = 5 * kDegree;
+constexpr double kRattle =
+    0.005;  // of the radius: a pose that the centre leaves by rising less than this is none
 constexpr double kSameLatitudeRad = 10 * kDegree;
 constexpr double kRoundness = 0.03;  // of the radius: a hull this close to a surface of revolution is one
 constexpr std::uint32_t kNoFace = ~std::uint32_t{0};
@@ -146,6 +148,55 @@ std::uint32_t tips_onto(const ConvexHull& hull, const std::vector<Face>& faces,
     }
   }
   return next;
+}
+
+// Hands poses that a slight knock would end (a facet of a scanned barrel) to the deeper pose beyond. This is
+// the persistence of the minima of the centre's height over the graph of faces: passages between faces, by
+// how high the centre must rise over the edge, join valleys; the shallower valley ends if its depth below
+// the passage is less than `least_depth`. rest[i]: the pose where face i comes to rest.
+void fill_shallow_valleys(const ConvexHull& hull, const std::vector<Face>& faces,
+                          const std::vector<std::uint32_t>& face_of, const Vector3d& mass, double least_depth,
+                          std::vector<std::uint32_t>& rest) {
+  struct Passage {
+    double height;
+    std::uint32_t from, to;
+  };
+  std::vector<Passage> passages;
+  for (std::uint32_t f = 0; f < hull.facets.size(); ++f) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t across = hull.facets[f].across.at(k);
+      if (across == ConvexHull::kNoFacet || across < f || face_of[across] == face_of[f]) continue;
+      const Vector3d& a = hull.vertices[hull.facets[f].corners.at(k)];
+      const Vector3d along = hull.vertices[hull.facets[f].corners.at((k + 1) % 3)] - a;
+      const Face& here = faces[face_of[f]];
+      const Face& there = faces[face_of[across]];
+      // Where the centre is already beyond the edge, nothing has to rise.
+      const bool downhill =
+          along.cross(here.normal).dot(mass - a) > 0 || along.cross(there.normal).dot(mass - a) < 0;
+      const double t = std::clamp(along.dot(mass - a) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+      const double height = downhill ? std::max(here.height, there.height) : (a + t * along - mass).norm();
+      passages.push_back({height, face_of[f], face_of[across]});
+    }
+  }
+  std::stable_sort(passages.begin(), passages.end(),
+                   [](const Passage& a, const Passage& b) { return a.height < b.height; });
+  std::vector<std::uint32_t> valley(rest);  // union-find forest over poses; the root is the deepest
+  std::vector<std::uint32_t> deeper(faces.size(), kNoFace);  // where an ended pose's share goes
+  const auto root = [&](std::uint32_t i) {
+    while (valley[i] != i) i = valley[i] = valley[valley[i]];
+    return i;
+  };
+  for (const Passage& passage : passages) {
+    std::uint32_t low = root(passage.from);
+    std::uint32_t high = root(passage.to);
+    if (low == high) continue;
+    if (std::tie(faces[high].height, high) < std::tie(faces[low].height, low)) std::swap(low, high);
+    if (passage.height - faces[high].height < least_depth) deeper[high] = low;
+    valley[high] = low;
+  }
+  for (std::uint32_t& r : rest) {
+    while (deeper[r] != kNoFace) r = deeper[r];
+  }
 }
 
 // An axis about which the hull is a surface of revolution, if any; `sphere`: it is one about every axis.
@@ -277,30 +328,42 @@ std::vector<RestingPose> resting_poses(const ConvexHull& hull, const Vector3d& c
     faces[i].rolls_to = tips_onto(hull, faces, face_of, i, centre_of_mass);
   }
 
-  // From the highest face down, each unstable one hands on what it got.
-  std::vector<std::uint32_t> downhill(faces.size());
-  std::iota(downhill.begin(), downhill.end(), 0U);
-  std::stable_sort(downhill.begin(), downhill.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return faces[a].height > faces[b].height; });
+  // From the lowest face up: each unstable one rests where the lower one rests that it tips onto.
+  std::vector<std::uint32_t> uphill(faces.size());
+  std::iota(uphill.begin(), uphill.end(), 0U);
+  std::stable_sort(uphill.begin(), uphill.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return faces[a].height < faces[b].height; });
+  std::vector<std::uint32_t> rest(faces.size());
+  for (const std::uint32_t i : uphill) rest[i] = faces[i].rolls_to == kNoFace ? i : rest[faces[i].rolls_to];
+  double radius = 0;
+  for (const Vector3d& p : hull.vertices) radius = std::max(radius, (p - centre_of_mass).norm());
+  fill_shallow_valleys(hull, faces, face_of, centre_of_mass, kRattle * radius, rest);
   double total = 0;
-  std::vector<double> probability;
-  for (const Face& face : faces) {
-    probability.push_back(face.solid_angle);
-    total += face.solid_angle;
-  }
-  for (const std::uint32_t i : downhill) {
-    if (faces[i].rolls_to == kNoFace) continue;
-    probability[faces[i].rolls_to] += probability[i];
-    probability[i] = 0;
+  std::vector<double> share(faces.size(), 0.0);
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    share[rest[i]] += faces[i].solid_angle;
+    total += faces[i].solid_angle;
   }
 
+  // A barrel rests on any of many faces: the one that stands for them is the likeliest of the lowest ones.
   struct Candidate {
     Vector3d up;
     double probability;
   };
+  const double level = 0.2 * kRattle * radius;
+  std::vector<std::uint32_t> shown(rest);
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    const std::uint32_t lowest = rest[i];
+    if (faces[i].rolls_to != kNoFace || faces[i].height > faces[lowest].height + level) continue;
+    const Face& best = faces[shown[lowest]];
+    if (comes_before(-faces[i].normal, faces[i].solid_angle / total, -best.normal,
+                     best.solid_angle / total)) {
+      shown[lowest] = i;
+    }
+  }
   std::vector<Candidate> stable;
   for (std::uint32_t i = 0; i < faces.size(); ++i) {
-    if (faces[i].rolls_to == kNoFace) stable.push_back({-faces[i].normal, probability[i] / total});
+    if (rest[i] == i) stable.push_back({-faces[shown[i]].normal, share[i] / total});
   }
   const auto before = [](const Candidate& a, const Candidate& b) {
     return comes_before(a.up, a.probability, b.up, b.probability);

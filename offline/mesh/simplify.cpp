@@ -161,11 +161,16 @@ class Simplifier {
   }
 
   void start_quadrics() {
+    double mean_area = 0;
+    for (const Triangle& t : triangle_)
+      mean_area += area_vector(t).norm() / static_cast<double>(triangle_.size());
     for (const Triangle& t : triangle_) {
       const Vector3d vector = area_vector(t);
       const double area = vector.norm();
       if (!(area > 0)) continue;
-      for (const std::uint32_t v : t) quadric_[v].add_plane(vector / area, position_[t[0]], area / 3);
+      // Half by area, half by count: by area alone, a spike of small triangles would cost nothing.
+      const double weight = (area + mean_area) / 6;
+      for (const std::uint32_t v : t) quadric_[v].add_plane(vector / area, position_[t[0]], weight);
       // A border edge is held by a plane at right angles to its triangle.
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = t.at(k);

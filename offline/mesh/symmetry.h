@@ -13,9 +13,9 @@ struct TurnSymmetry {
 };
 
 /// Compares the surface with itself turned about the z axis through the origin, at 5000 points spread over
-/// it. The shape is the same if a turned point lies within 3 % of `bounding_radius_m` of the surface and 99 %
-/// of them within 1.5 %; the print, if at most 2 % of the points then see a colour that differs by more than
-/// 0.15 (of 1) in any channel. So a print must cover 2 % of the surface to count. A prism of 18 or
+/// it. The shape is the same if a turned point lies within 5 % of `bounding_radius_m` of the surface and 99 %
+/// of them within 2 %; the print, if at most 2 % of the points then see a colour that differs by more than
+/// 0.15 (of 1) in any channel. So a print must cover 2 % of the surface to count. A prism of 16 or
 /// more sides counts as round. Deterministic.
 TurnSymmetry detect_turn_symmetry(const Mesh& mesh, double bounding_radius_m);
 

@@ -291,8 +291,12 @@ RenderedView Renderer::render(const PinholeCamera& camera, const cv::Rect& windo
   glBlitFramebuffer(0, 0, window.width, window.height, 0, 0, window.width, window.height, GL_COLOR_BUFFER_BIT,
                     GL_NEAREST);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, gl.targets.resolve);
+  // Drivers copy RGBA as it is; RGB would be converted pixel by pixel.
+  cv::Mat rgba(window.height, window.width, CV_8UC4);
+  glReadPixels(0, 0, window.width, window.height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
   view.colour.create(window.height, window.width, CV_8UC3);
-  glReadPixels(0, 0, window.width, window.height, GL_RGB, GL_UNSIGNED_BYTE, view.colour.data);
+  const int channels[] = {0, 0, 1, 1, 2, 2};
+  cv::mixChannels(&rgba, 1, &view.colour, 1, channels, 3);
   return view;
 }
 

@@ -91,15 +91,16 @@ class Decoder {
     return values;
   }
 
-  void require_step(int exponent) const {
+  int checked_step(int exponent) const {
     require(exponent >= kMinStepExponent && exponent <= kMaxStepExponent, "a step is out of range");
+    return exponent;
   }
 
   std::vector<std::array<float, 4>> decode_forms(const fbs::FormSteps& steps,
                                                  std::span<const std::int16_t> planes, const RotationBox& box,
                                                  double rounding_limit) {
-    const std::array<int, 4> exponents{steps.centre(), steps.rx(), steps.ry(), steps.rz()};
-    for (const int e : exponents) require_step(e);
+    const std::array<int, 4> exponents{checked_step(steps.centre()), checked_step(steps.rx()),
+                                       checked_step(steps.ry()), checked_step(steps.rz())};
     require(largest_rounding_error(exponents, box) <= rounding_limit * limit_scale_ &&
                 centre_step_is_sound(exponents, planes, box),
             "a step is not one that this format allows");
@@ -141,8 +142,7 @@ class Decoder {
     const auto radii = array(*from.radius(), n);
     const auto missing = array(*from.missing(), n);
     const auto positions = steps_array(*from.positions(), 2 * n);
-    const int step = from.position_step();
-    require_step(step);
+    const int step = checked_step(from.position_step());
     require(std::ldexp(0.5, step) <= kPositionRoundingLimit * limit_scale_,
             "a step is not one that this format allows");
     const auto forms =
@@ -160,10 +160,10 @@ class Decoder {
     require(numbers % 3 == 0 && numbers / 3 <= kMaxModelVertices,
             "the mesh's vertices are not whole or too many");
     const auto positions = steps_array(*from.positions(), numbers);
-    require_step(from.position_step());
+    const int step = checked_step(from.position_step());
     mesh.vertices.resize(numbers / 3);
     for (std::size_t i = 0; i < numbers; ++i) {
-      mesh.vertices[i / 3](static_cast<Eigen::Index>(i % 3)) = metres(positions[i], from.position_step());
+      mesh.vertices[i / 3](static_cast<Eigen::Index>(i % 3)) = metres(positions[i], step);
     }
     const bool narrow = mesh.vertices.size() <= 65536;
     require((from.triangles16() != nullptr) == narrow && (from.triangles32() != nullptr) == !narrow,

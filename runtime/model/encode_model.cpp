@@ -53,6 +53,7 @@ Offset<fbs::VisualParts> encode_visual(FlatBufferBuilder& to, const ObjectModel&
                                        const ViewpointBin& bin) {
   const auto& parts = bin.visual;
   std::vector<std::array<float, 4>> forms;
+  forms.reserve(2 * parts.size());
   for (const VisualPart& part : parts) forms.push_back(part.u);
   for (const VisualPart& part : parts) forms.push_back(part.v);
   const QuantisedForms stored = quantise_forms(forms, bin.box);
@@ -85,6 +86,7 @@ Offset<fbs::DepthParts> encode_depth(FlatBufferBuilder& to, const ObjectModel& m
     refuse(model.name, "a depth part lies too far out to be stored in 16 bits");
   }
   std::vector<std::int16_t> positions;
+  positions.reserve(2 * parts.size());
   for (const DepthPart& part : parts) positions.push_back(in_steps(part.px, position_step));
   for (const DepthPart& part : parts) positions.push_back(in_steps(part.py, position_step));
 

@@ -22,13 +22,13 @@ struct ObjectBox {
 /// What to publish, and where.
 struct PublisherOptions {
   unsigned domain = 0;                                  ///< 0..230
-  std::string name_space;                               ///< prefix of all topics, e.g. "arm"; empty: none
+  std::string name_space{};                             ///< prefix of all topics, e.g. "arm"; empty: none
   std::string detections_topic = "detections";          ///< empty: off
   std::string object_pose_topic = "object_pose";        ///< empty: off
   std::string pose_estimates_topic = "pose_estimates";  ///< empty: off
   double lease_ms = 500;     ///< deadline of detections, liveliness lease of detections and object_pose
   double max_age_ms = 1000;  ///< lifespan of pose_estimates: a late joiner never gets an older one
-  std::map<int, ObjectBox> object_boxes;  ///< by object id, for Detection3D.bbox; missing: size 0
+  std::map<int, ObjectBox> object_boxes{};  ///< by object id, for Detection3D.bbox; missing: size 0
 };
 
 /// Called with one line for people when something is wrong that does not stop us.

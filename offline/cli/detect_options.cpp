@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "offline/cli/detect_options.h"
+
+#include <cstdio>
+#include <numbers>
+
+#include "runtime/base/error.h"
+
+namespace sextant {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// "PITCH_DEG,HEIGHT_M[,ROLL_DEG]".
+TableGeometry fixed_table(const std::string& text) {
+  double pitch = 0;
+  double height = 0;
+  double roll = 0;
+  int used = 0;
+  const auto all = [&] { return static_cast<std::size_t>(used) == text.size(); };
+  const bool three = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &pitch, &height, &roll, &used) == 3 && all();
+  if (!three) {
+    roll = 0;
+    const bool two = std::sscanf(text.c_str(), "%lf,%lf%n", &pitch, &height, &used) == 2 && all();
+    if (!two) {
+      throw UsageError("--table " + text + " is not none, file, estimate or PITCH_DEG,HEIGHT_M[,ROLL_DEG]",
+                       "for example --table 40,0.8");
+    }
+  }
+  if (!(pitch > -90 && pitch <= 90 && height > 0 && height < 50 && roll >= -180 && roll <= 180)) {
+    throw UsageError("--table " + text + " is out of range", "pitch -90..90 deg, height 0..50 m, roll -180..180 deg");
+  }
+  return TableGeometry::from_pitch_roll(pitch * kDegree, roll * kDegree, height);
+}
+
+}  // namespace
+
+void DetectArguments::add_to(CLI::App& command) {
+  command.add_option("models", models, "compiled models (.sxm)")->required();
+  auto* set = command.add_option("--dataset", dataset, "BOP data set folder");
+  command.add_option("--split", split, "of the data set")->capture_default_str();
+  command.add_option("--scene", scene, "only this scene")->check(CLI::NonNegativeNumber);
+  command.add_option("--image", image, "only this image number")->check(CLI::NonNegativeNumber);
+  auto* colour_option = command.add_option("--color,--colour", colour, "single frame: colour image (PNG, JPEG)");
+  auto* depth_option = command.add_option("--depth", depth, "single frame: 16-bit depth PNG");
+  auto* camera_option = command.add_option("--camera", camera, "single frame: calibration YAML");
+  colour_option->excludes(set)->needs(depth_option)->needs(camera_option);
+  command.add_option("--csv", csv, "BOP results file to write");
+  command.add_option("--overlay", overlay, "folder for pictures with outlines and axes");
+  command.add_option("--max-detections", detect.max_detections, "per object and image")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command.add_option("--threshold", threshold, "log score that a detection must reach (default: 35 % of the evidence)");
+  command.add_option("--deadline-ms", detect.deadline_ms, "time for the search of one image, 0: none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_option("--threads", detect.threads, "0: all cores")->check(CLI::Range(0, 256))->capture_default_str();
+  command.add_option("--table", table, "none | file | estimate | PITCH_DEG,HEIGHT_M[,ROLL_DEG]")->capture_default_str();
+  command.add_option("--height-tolerance-m", detect.tolerance.height_m, "of the table constraint")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command.add_option("--angle-tolerance-deg", angle_tolerance_deg, "of the table constraint")
+      ->check(CLI::Range(0.0, 45.0))
+      ->capture_default_str();
+  command.add_option("--scoring", detect.scoring, "likelihood | thesis")->capture_default_str();
+  command.add_option("--bound", detect.bound, "window | thesis (reference; may take hours)")->capture_default_str();
+  command.add_option("--search-width", detect.search_width, "width of the image that is searched, 0: as it is")
+      ->capture_default_str();
+  command.add_option("--min-distance-m", detect.min_distance_m, "nearest object centre")->capture_default_str();
+  command.add_option("--max-distance-m", detect.max_distance_m, "farthest object centre")->capture_default_str();
+  command.add_flag("--json", json, "one JSON object per image");
+  command.add_flag("--require", require, "exit 1 where an image has no detection");
+}
+
+DetectOptions DetectArguments::options() const {
+  if (dataset.empty() && colour.empty()) {
+    throw UsageError("nothing to look at", "give --dataset DIR, or --color F --depth F --camera FILE.yaml");
+  }
+  DetectOptions out = detect;
+  out.threshold = threshold;
+  out.tolerance.angle_rad = angle_tolerance_deg * kDegree;
+  if (table == "none") {
+    out.table = TableSource::kNone;
+  } else if (table == "file") {
+    out.table = TableSource::kFrame;
+  } else if (table == "estimate") {
+    out.table = TableSource::kEstimate;
+  } else {
+    out.table = TableSource::kFixed;
+    out.fixed_table = fixed_table(table);
+  }
+  return out;
+}
+
+}  // namespace sextant
