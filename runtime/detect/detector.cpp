@@ -128,7 +128,7 @@ struct Detector::Impl {
     result.seconds.features = seconds_since(start);
 
     const auto tables_start = Clock::now();
-    tables.build(rectified, edges, clip_radius(rectified.camera));
+    tables.build(rectified, edges, clip_radius(rectified.camera), pool);
     result.seconds.tables = seconds_since(tables_start);
 
     const auto search_start = Clock::now();

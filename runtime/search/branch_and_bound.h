@@ -12,7 +12,7 @@
 #include "runtime/search/constraint.h"
 #include "runtime/search/lattice.h"
 #include "runtime/search/scored_bin.h"
-#include "runtime/search/worker_pool.h"
+#include "runtime/base/worker_pool.h"
 #include "runtime/tables/frame_tables.h"
 
 namespace sextant {

@@ -29,11 +29,11 @@ inline FloatRange linear(float c0, float c1, float c2, float c3, FloatRange rx, 
           ((c0 + upper_product(c1, rx)) + upper_product(c2, ry)) + upper_product(c3, rz)};
 }
 
-/// Pixel index of centre + scale * offset: rounded half up, clamped to one pixel outside the image, then
-/// shifted into the table's coordinates. limit: width or height.
+/// Pixel index of centre + scale * offset: rounded half up, clamped to one pixel outside the image, in the
+/// table's coordinates. limit: width or height. The shift by one comes before the conversion, so that truncation
+/// rounds down (std::floor is a call on plain x86-64).
 inline int table_index(float pixel, int limit) {
-  const float clamped = std::min(std::max(std::floor(pixel + 0.5F), -1.0F), static_cast<float>(limit));
-  return static_cast<int>(clamped) + 1;
+  return static_cast<int>(std::min(std::max(pixel + 0.5F, -1.0F), static_cast<float>(limit)) + 1.0F);
 }
 struct IndexRange {
   int lo = 0;

@@ -45,13 +45,7 @@ void build_levels(Levels& levels, int width, int height, Fold fold) {
 
 }  // namespace
 
-int FrameTables::level_for(int side) {
-  int level = 0;
-  while (level < static_cast<int>(kWindowSides.size()) && kWindowSides[static_cast<std::size_t>(level)] < side) ++level;
-  return level;
-}
-
-void FrameTables::build(const SearchFrame& frame, const cv::Mat& edges, int clip_radius) {
+void FrameTables::build(const SearchFrame& frame, const cv::Mat& edges, int clip_radius, WorkerPool& pool) {
   if (clip_radius < 1 || clip_radius > 200) throw std::logic_error("clip_radius outside 1..200");
   width_ = frame.camera.width;
   height_ = frame.camera.height;
@@ -59,12 +53,12 @@ void FrameTables::build(const SearchFrame& frame, const cv::Mat& edges, int clip
   const int w = width_ + 2;
   const int h = height_ + 2;
   const std::size_t size = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
-  for (int kind = 0; kind < 8; ++kind) {
-    Levels& levels = distance_[static_cast<std::size_t>(kind)];
+  const auto build_distances = [&](std::size_t kind) {
+    Levels& levels = distance_[kind];
     levels[0].values.assign(size, kFar);
-    clipped_distance2(edges, kind, clip_radius, levels[0].values.data() + w + 1, w);
+    clipped_distance2(edges, static_cast<int>(kind), clip_radius, levels[0].values.data() + w + 1, w);
     build_levels(levels, w, h, Smaller{});
-  }
+  };
   nearest_[0].values.assign(size, kMissing);
   farthest_[0].values.assign(size, 0);
   missing_[0].values.assign(size, 1);
@@ -80,9 +74,12 @@ void FrameTables::build(const SearchFrame& frame, const cv::Mat& edges, int clip
       missing_[0].values[at + static_cast<std::size_t>(x)] = 0;
     }
   }
-  build_levels(nearest_, w, h, Smaller{});
-  build_levels(farthest_, w, h, Larger{});
-  build_levels(missing_, w, h, Larger{});
+  pool.for_each(11, [&](std::size_t task) {
+    if (task < 8) build_distances(task);
+    if (task == 8) build_levels(nearest_, w, h, Smaller{});
+    if (task == 9) build_levels(farthest_, w, h, Larger{});
+    if (task == 10) build_levels(missing_, w, h, Larger{});
+  });
 }
 
 }  // namespace sextant

@@ -10,12 +10,24 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "runtime/base/worker_pool.h"
 #include "runtime/frame/search_frame.h"
 
 namespace sextant {
 
 /// Sides of the square windows, pixels. A rectangle takes the smallest that covers its longer side.
 inline constexpr std::array<int, 13> kWindowSides{1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96};
+
+/// Level that covers a side of 0..kWindowSides.back() pixels.
+inline constexpr auto kLevelOfSide = [] {
+  std::array<std::uint8_t, kWindowSides.back() + 1> levels{};
+  std::uint8_t level = 0;
+  for (std::size_t side = 0; side < levels.size(); ++side) {
+    while (kWindowSides[level] < static_cast<int>(side)) ++level;
+    levels[side] = level;
+  }
+  return levels;
+}();
 
 /// A plane of 16-bit values with a border of one pixel all round that stands for everything outside.
 struct TablePlane {
@@ -33,7 +45,7 @@ class FrameTables {
 
   /// Builds all tables; buffers are reused from call to call. edges: edges_by_direction; clip_radius: pixels
   /// beyond which a feature does not matter, 1..200.
-  void build(const SearchFrame& frame, const cv::Mat& edges, int clip_radius);
+  void build(const SearchFrame& frame, const cv::Mat& edges, int clip_radius, WorkerPool& pool);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -41,7 +53,10 @@ class FrameTables {
   const PinholeCamera& camera() const { return camera_; }
 
   /// Index of the window level that covers `side` pixels, or kWindowSides.size() where none does.
-  static int level_for(int side);
+  static int level_for(int side) {
+    return side <= kWindowSides.back() ? kLevelOfSide[static_cast<std::size_t>(side)]
+                                       : static_cast<int>(kWindowSides.size());
+  }
   int clamp_x(int x) const { return x < -1 ? 0 : (x > width_ ? width_ + 1 : x + 1); }
   int clamp_y(int y) const { return y < -1 ? 0 : (y > height_ ? height_ + 1 : y + 1); }
 

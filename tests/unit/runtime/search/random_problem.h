@@ -79,7 +79,8 @@ class RandomProblem {
       cv::rectangle(frame_.colour, r, cv::Scalar(uniform(0, 255), uniform(0, 255), uniform(0, 255)), cv::FILLED);
     }
     edges_ = edges_by_direction(frame_.colour);
-    tables_.build(frame_, edges_, 30);
+    WorkerPool serial(1);
+    tables_.build(frame_, edges_, 30, serial);
   }
 
   void make_model() {

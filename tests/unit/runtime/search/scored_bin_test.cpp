@@ -19,7 +19,8 @@ struct TinyFrame {
     frame.ray_depth_m.at<float>(40, 45) = 0;
     cv::Mat edges = cv::Mat::zeros(80, 100, CV_8UC1);
     edges.at<std::uint8_t>(40, 60) = 1U << 4;
-    tables.build(frame, edges, 50);
+    WorkerPool serial(1);
+    tables.build(frame, edges, 50, serial);
   }
 };
 

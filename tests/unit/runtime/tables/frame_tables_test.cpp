@@ -61,7 +61,8 @@ struct RandomTables {
     }
     frame.ray_depth_m.at<float>(3, 3) = 50;  // deeper than the table can say
     edges = random_edges(random, 50, 40, 30);
-    tables.build(frame, edges, 20);
+    WorkerPool pool(2);
+    tables.build(frame, edges, 20, pool);
   }
 };
 

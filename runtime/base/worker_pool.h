@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The search's threads. Work is a count of independent items; which thread takes which item never changes
+// The threads of tables and search. Work is a count of independent items; which thread takes which item never changes
 // the result, because items write only to their own slot.
 #pragma once
 

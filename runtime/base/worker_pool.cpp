@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "runtime/search/worker_pool.h"
+#include "runtime/base/worker_pool.h"
 
 #include <algorithm>
 
