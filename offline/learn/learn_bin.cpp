@@ -14,6 +14,9 @@
 namespace sextant {
 namespace {
 
+/// Share of the training views that must show a feature kind for its parts to be learnt.
+constexpr double kLeastSeen = 0.95;
+
 using Positions = std::vector<Eigen::Vector2d>;
 
 /// Enumeration positions: a grid over the square of the bounding sphere, tangent * metre.
@@ -55,7 +58,8 @@ struct Enumeration {
   Enumeration(std::size_t labels, std::array<bool, 4> active) : sums(labels, active), complete(labels, true) {}
 };
 
-/// Position of the nearest feature of one kind for every grid position (u and v interleaved).
+/// Position of the nearest feature of one kind for every grid position (u and v interleaved). Views without any
+/// feature of the kind are left out; a kind that too many views lack is not complete.
 Enumeration enumerate_visual(const std::vector<TrainingView>& views, const Positions& grid, int kind, double focal,
                              std::array<bool, 4> active) {
   Enumeration e(2 * grid.size(), active);
@@ -63,20 +67,17 @@ Enumeration enumerate_visual(const std::vector<TrainingView>& views, const Posit
   for (const TrainingView& view : views) {
     const ViewScale scale(view, focal);
     const std::vector<NearestFeature> nearest = nearest_features(view.edges, kind);
+    if (nearest[0].column < 0) continue;
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const cv::Point at = scale.pixel(grid[i]);
       const NearestFeature f = nearest[static_cast<std::size_t>(at.y * view.window.width + at.x)];
-      if (f.column < 0) {
-        e.complete.assign(e.complete.size(), false);  // no feature of this kind anywhere in the view
-        break;
-      }
       const Eigen::Vector2d p = scale.position(f.column, f.row);
       labels[2 * i] = static_cast<float>(p.x());
       labels[2 * i + 1] = static_cast<float>(p.y());
     }
-    if (!e.complete[0]) break;
     e.sums.add(rotation_of(view), labels);
   }
+  if (e.sums.examples() < kLeastSeen * static_cast<double>(views.size())) e.complete.assign(e.complete.size(), false);
   return e;
 }
 

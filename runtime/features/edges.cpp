@@ -7,7 +7,7 @@
 
 namespace sextant {
 
-int edge_kind(int dx, int dy) {
+unsigned edge_kinds(int dx, int dy) {
   // The line is perpendicular to the gradient: direction (-dy, dx), folded to 0 <= angle < 180 deg.
   std::int64_t lx = -dy;
   std::int64_t ly = dx;
@@ -15,12 +15,13 @@ int edge_kind(int dx, int dy) {
     lx = -lx;
     ly = -ly;
   }
-  // tan of 11.25, 33.75, 56.25, 78.75 deg, times 2^15.
-  constexpr std::int64_t kTangents[4] = {6518, 21895, 49041, 164736};
+  // tan of 22.5, 45, 67.5 deg, times 2^15: how many kinds' centres the angle to the x axis has passed.
+  constexpr std::int64_t kTangents[3] = {13573, 32768, 79109};
   const std::int64_t ax = std::abs(lx);
-  int steps = 0;
-  while (steps < 4 && ly * 32768 >= kTangents[steps] * ax) ++steps;
-  return lx >= 0 ? steps : (8 - steps) % 8;
+  unsigned passed = 0;
+  while (passed < 3 && ly * 32768 >= kTangents[passed] * ax) ++passed;
+  const unsigned below = lx >= 0 ? passed : 7 - passed;
+  return (1U << below) | (1U << ((below + 1) % 8));
 }
 
 cv::Mat edges_by_direction(const cv::Mat& colour, const EdgeOptions& options) {
@@ -56,7 +57,7 @@ cv::Mat edges_by_direction(const cv::Mat& colour, const EdgeOptions& options) {
     const auto* tx = dx.ptr<short>(y);
     const auto* ty = dy.ptr<short>(y);
     for (int x = 0; x < edges.cols; ++x) {
-      if (row[x]) row[x] = static_cast<std::uint8_t>(1U << static_cast<unsigned>(edge_kind(tx[x], ty[x])));
+      if (row[x]) row[x] = static_cast<std::uint8_t>(edge_kinds(tx[x], ty[x]));
     }
   }
   return edges;

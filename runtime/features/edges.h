@@ -14,11 +14,13 @@ struct EdgeOptions {
   int high = 120;  ///< strong edges, low..4000
 };
 
-/// Edges by direction: CV_8UC1, bit k set where the pixel is an edge whose line runs at about k * 22.5 deg
-/// (x right, y down; 0 = horizontal). colour: CV_8UC3. Per pixel the channel with the largest gradient counts.
+/// Edges by direction: CV_8UC1, bit k set where the pixel is an edge whose line runs within 22.5 deg of
+/// k * 22.5 deg (x right, y down; 0 = horizontal): every edge is of the two nearest kinds. With one kind each, an
+/// edge that turns by the 20 deg of a viewpoint bin always leaves its kind in some training views, and a plain
+/// box had next to no visual parts. colour: CV_8UC3. Per pixel the channel with the largest gradient counts.
 cv::Mat edges_by_direction(const cv::Mat& colour, const EdgeOptions& options = {});
 
-/// Direction kind 0..7 of an edge with integer gradient (dx, dy), not both 0; |dx|, |dy| < 32768.
-int edge_kind(int dx, int dy);
+/// Mask of the two kinds 0..7 of an edge with integer gradient (dx, dy), not both 0; |dx|, |dy| < 32768.
+unsigned edge_kinds(int dx, int dy);
 
 }  // namespace sextant
