@@ -11,6 +11,8 @@
 #include "offline/cli/commands.h"
 #include "offline/cli/detect_options.h"
 #include "offline/cli/progress_bar.h"
+#include "offline/dataset/bop_results.h"
+#include "offline/dataset/result_json.h"
 #include "offline/report/overlay.h"
 #include "runtime/base/error.h"
 #include "runtime/model/model_file.h"
@@ -71,15 +73,21 @@ ExitCode run(const DetectArguments& a) {
   std::vector<ObjectModel> models;
   for (const auto& file : a.models) models.push_back(read_model(file));
   Detector detector(std::move(models), a.options());
-  std::vector<FrameResult> results;
+  std::vector<BopResult> rows;
   bool missing = false;
   for_each_frame(a, [&](const RgbdFrame& frame) {
-    FrameResult result = detector.detect(frame);
+    const FrameResult result = detector.detect(frame);
     missing = missing || result.estimates.empty();
-    print_text(result);
+    if (a.json) {
+      fmt::print("{}\n", format_result_json(result));
+    } else {
+      print_text(result);
+    }
     if (!a.overlay.empty()) write_overlay(a.overlay, frame, result, detector.models());
-    results.push_back(std::move(result));
+    const auto found = bop_results_of(result);
+    rows.insert(rows.end(), found.begin(), found.end());
   });
+  if (!a.csv.empty()) write_bop_results(a.csv, rows);
   return a.require && missing ? ExitCode::kNothingFound : ExitCode::kDone;
 }
 

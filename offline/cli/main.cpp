@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "offline/cli/commands.h"
+#include "offline/cli/echo.h"
 #include "offline/cli/inspect_command.h"
 #include "runtime/base/error.h"
 #include "runtime/base/version.h"
@@ -29,6 +30,7 @@ int main(int argc, char** argv) {
   sextant::add_inspect_command(app, exit_code);
   sextant::add_render_command(app, exit_code);
   sextant::add_detect_command(app, exit_code);
+  sextant::add_echo_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

@@ -176,6 +176,7 @@ Mesh read_mesh(const fs::path& file, double metres_per_unit, const IsolationLimi
   check_shape(mesh, file.string());
   for (Eigen::Vector3f& p : mesh.vertices) p = (p.cast<double>() * metres_per_unit).cast<float>();
   complete_normals(mesh);
+  share_equal_vertices(mesh);
   return mesh;
 }
 

@@ -64,6 +64,48 @@ std::vector<std::uint32_t> welded_indices(const std::vector<Eigen::Vector3f>& ve
   return first;
 }
 
+void share_equal_vertices(Mesh& mesh) {
+  using Key = std::array<float, 11>;
+  const auto key = [&](std::uint32_t i) {
+    const Eigen::Vector3f& p = mesh.vertices[i];
+    const Eigen::Vector3f& n = mesh.normals[i];
+    const Eigen::Vector3f& c = mesh.colours[i];
+    const Eigen::Vector2f& t = mesh.uvs[i];
+    return Key{p[0], p[1], p[2], n[0], n[1], n[2], c[0], c[1], c[2], t[0], t[1]};
+  };
+  std::vector<std::uint32_t> order(mesh.vertices.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const Key first = key(a);
+    const Key second = key(b);
+    return first != second ? first < second : a < b;
+  });
+  std::vector<std::uint32_t> same(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    same[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? same[order[i - 1]] : order[i];
+  }
+  std::vector<std::uint32_t> place(order.size());
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < order.size(); ++i) {
+    if (same[i] != i) continue;
+    place[i] = kept;
+    mesh.vertices[kept] = Eigen::Vector3f(mesh.vertices[i]);
+    mesh.normals[kept] = Eigen::Vector3f(mesh.normals[i]);
+    mesh.colours[kept] = Eigen::Vector3f(mesh.colours[i]);
+    mesh.uvs[kept] = Eigen::Vector2f(mesh.uvs[i]);
+    ++kept;
+  }
+  for (MeshPart& part : mesh.parts) {
+    for (auto& t : part.triangles) {
+      for (std::uint32_t& v : t) v = place[same[v]];
+    }
+  }
+  mesh.vertices.resize(kept);
+  mesh.normals.resize(kept);
+  mesh.colours.resize(kept);
+  mesh.uvs.resize(kept);
+}
+
 void complete_normals(Mesh& mesh) {
   const bool complete = std::all_of(mesh.normals.begin(), mesh.normals.end(), usable);
   for (Eigen::Vector3f& n : mesh.normals) {

@@ -15,6 +15,9 @@ inline constexpr double kCreaseDeg = 40;
 /// All normals have unit length afterwards.
 void complete_normals(Mesh& mesh);
 
+/// Makes vertices that agree in position, normal, colour and texture coordinates one.
+void share_equal_vertices(Mesh& mesh);
+
 /// For every vertex the index of the first vertex with exactly the same coordinates.
 std::vector<std::uint32_t> welded_indices(const std::vector<Eigen::Vector3f>& vertices);
 

@@ -162,7 +162,8 @@ class Simplifier {
 
   void start_quadrics() {
     double mean_area = 0;
-    for (const Triangle& t : triangle_) mean_area += area_vector(t).norm() / static_cast<double>(triangle_.size());
+    for (const Triangle& t : triangle_)
+      mean_area += area_vector(t).norm() / static_cast<double>(triangle_.size());
     for (const Triangle& t : triangle_) {
       const Vector3d vector = area_vector(t);
       const double area = vector.norm();

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kSamples = 5000;
 constexpr double kFar = 0.05;        // of the bounding radius: no point may be off by this
-constexpr double kNear = 0.02;      // of the bounding radius
+constexpr double kNear = 0.02;       // of the bounding radius
 constexpr double kFewPoints = 0.01;  // share of points that may be off by more than kNear
 constexpr float kColourStep = 0.15F;
 constexpr double kFewColours = 0.02;  // share of points that may differ in colour

@@ -12,9 +12,15 @@ constexpr double kCoarseSigma = 4;  ///< pixels of the coarse field: finer ones 
 }  // namespace
 
 cv::Mat white_noise(const cv::Size& size, Random& random) {
+  const double scale = std::sqrt(3.0);
   cv::Mat noise(size, CV_32FC1);
   for (int y = 0; y < noise.rows; ++y) {
-    for (int x = 0; x < noise.cols; ++x) noise.at<float>(y, x) = static_cast<float>(random.normal());
+    for (int x = 0; x < noise.cols; ++x) {
+      const std::uint64_t bits = random.bits();
+      std::uint64_t sum = 0;
+      for (int part = 0; part < 4; ++part) sum += (bits >> (16 * part)) & 0xFFFF;
+      noise.at<float>(y, x) = static_cast<float>(scale * (static_cast<double>(sum) / 65535.0 - 2));
+    }
   }
   return noise;
 }

@@ -8,7 +8,7 @@
 
 namespace sextant {
 
-/// CV_32FC1, independent standard normal pixels.
+/// CV_32FC1, independent pixels of unit variance, bell-shaped (sum of four uniforms: within +-3.5).
 cv::Mat white_noise(const cv::Size& size, Random& random);
 
 /// CV_32FC1, normal pixels of unit variance, white noise blurred by a Gaussian of `sigma_px`: correlation

@@ -17,6 +17,14 @@ inline std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t stream) {
   return z ^ (z >> 31);
 }
 
+/// A closed range.
+struct Range {
+  double lo = 0;
+  double hi = 0;
+};
+
+/// Note: the order in which C++ evaluates function arguments is open. Draw one number per statement or in
+/// braces.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -25,13 +33,15 @@ class Random {
   double uniform(double lo = 0, double hi = 1) {
     return lo + (hi - lo) * (static_cast<double>(engine_() >> 11) * 0x1.0p-53);
   }
+  double in(const Range& range) { return uniform(range.lo, range.hi); }
   /// In [lo, hi], whole.
   int integer(int lo, int hi) { return lo + static_cast<int>(uniform() * (hi - lo + 1)); }
   bool chance(double probability) { return uniform() < probability; }
   /// Standard normal (Box-Muller).
   double normal() {
     const double radius = std::sqrt(-2 * std::log(1 - uniform()));
-    return radius * std::cos(2 * std::numbers::pi * uniform());
+    const double angle = 2 * std::numbers::pi * uniform();
+    return radius * std::cos(angle);
   }
   std::uint64_t bits() { return engine_(); }
 

@@ -4,9 +4,12 @@
 #include <dds/ddsrt/log.h>
 #include <fmt/format.h>
 
+#include <chrono>
 #include <mutex>
 #include <string_view>
 #include <utility>
+
+#include "runtime/base/rate_limiter.h"
 
 namespace sextant {
 
@@ -15,20 +18,6 @@ namespace {
 constexpr int kLinesPerSecond = 10;
 
 }  // namespace
-
-bool RateLimiter::pass(std::chrono::steady_clock::time_point now, std::uint64_t& held_back) {
-  if (passed_ == 0 || now - window_start_ >= period_) {
-    window_start_ = now;
-    passed_ = 0;
-  }
-  if (passed_ >= burst_) {
-    ++held_back_;
-    return false;
-  }
-  ++passed_;
-  held_back = std::exchange(held_back_, 0);
-  return true;
-}
 
 struct DdsLog::Impl {
   std::function<void(const std::string&)> sink;

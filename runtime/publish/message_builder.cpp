@@ -96,7 +96,8 @@ void check_publishable(const FrameResult& result) {
   }
 }
 
-DetectionsBuilder::DetectionsBuilder(const FrameResult& result, const std::map<int, ObjectBox>& boxes) {
+DetectionsBuilder::DetectionsBuilder(const FrameResult& result,
+                                     const std::map<std::string, ObjectBox>& boxes) {
   const std::size_t count = result.estimates.size();
   ids_.reserve(count);
   hypotheses_.reserve(count);
@@ -107,7 +108,7 @@ DetectionsBuilder::DetectionsBuilder(const FrameResult& result, const std::map<i
     hypotheses_.push_back(
         {{borrowed(estimate.object_name), estimate.score}, to_pose_with_covariance(estimate)});
     ObjectBox box;
-    if (const auto found = boxes.find(estimate.object_id); found != boxes.end()) box = found->second;
+    if (const auto found = boxes.find(estimate.object_name); found != boxes.end()) box = found->second;
     RigidTransform camera_from_box = estimate.camera_from_object;
     camera_from_box.translate(box.centre_m);
     vision_msgs_msg_dds__Detection3D_ detection{};

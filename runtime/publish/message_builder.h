@@ -26,7 +26,7 @@ void check_publishable(const FrameResult& result);
 /// One message per estimate with its 3D box, in the order of the result.
 class DetectionsBuilder {
  public:
-  DetectionsBuilder(const FrameResult& result, const std::map<int, ObjectBox>& boxes);
+  DetectionsBuilder(const FrameResult& result, const std::map<std::string, ObjectBox>& boxes);
   const Detection3DArrayMessage& message() const { return message_; }
 
  private:

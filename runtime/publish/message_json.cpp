@@ -103,7 +103,7 @@ std::string to_json(const PoseStampedMessage& message) {
 
 std::string to_json(const PoseEstimateArrayMessage& message) {
   return Json{{"header", json_of(message.header)},    {"input_stamp", json_of(message.input_stamp)},
-              {"frame_number", message.frame_number},         {"estimates", array_of(message.estimates)},
+              {"frame_number", message.frame_number}, {"estimates", array_of(message.estimates)},
               {"objects", array_of(message.objects)}, {"nodes", message.nodes},
               {"solve_time_s", message.solve_time_s}, {"message", printable(message.message)}}
       .dump();

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -33,7 +34,7 @@ struct Publisher::Impl {
   WarnFunction warn;
   DdsEntity participant;
   Writer detections, object_pose, pose_estimates;
-  PublisherStatistics statistics;
+  std::atomic<std::uint64_t> published = 0, timeouts = 0;
 
   Writer make_writer(const std::string& name, const dds_topic_descriptor_t& type,
                      const QosProfile& profile) const {
@@ -61,7 +62,7 @@ struct Publisher::Impl {
   void write(const Writer& writer, const void* message) {
     const dds_return_t code = dds_write(writer.writer.get(), message);
     if (code == DDS_RETCODE_TIMEOUT) {
-      ++statistics.timeouts;
+      ++timeouts;
       if (warn) warn(fmt::format("{}: a reliable reader does not keep up, a message is lost", writer.topic));
       return;
     }
@@ -124,7 +125,7 @@ void Publisher::publish(const FrameResult& result) {
     const PoseEstimatesBuilder builder(result);
     impl_->write(impl_->pose_estimates, &builder.message());
   }
-  ++impl_->statistics.published;
+  ++impl_->published;
   impl_->report_incompatible_readers();
 }
 
@@ -158,6 +159,6 @@ bool Publisher::wait_for_acknowledgements(std::chrono::milliseconds timeout) con
   return true;
 }
 
-const PublisherStatistics& Publisher::statistics() const { return impl_->statistics; }
+PublisherStatistics Publisher::statistics() const { return {impl_->published, impl_->timeouts}; }
 
 }  // namespace sextant

@@ -28,7 +28,7 @@ struct PublisherOptions {
   std::string pose_estimates_topic = "pose_estimates";  ///< empty: off
   double lease_ms = 500;     ///< deadline of detections, liveliness lease of detections and object_pose
   double max_age_ms = 1000;  ///< lifespan of pose_estimates: a late joiner never gets an older one
-  std::map<int, ObjectBox> object_boxes{};  ///< by object id, for Detection3D.bbox; missing: size 0
+  std::map<std::string, ObjectBox> object_boxes{};  ///< by object name, for Detection3D.bbox; missing: size 0
 };
 
 /// Called with one line for people when something is wrong that does not stop us.
@@ -60,7 +60,8 @@ class Publisher {
   /// Waits until every reliable reader has everything; false after the timeout.
   bool wait_for_acknowledgements(std::chrono::milliseconds timeout) const;
 
-  const PublisherStatistics& statistics() const;
+  /// From any thread.
+  PublisherStatistics statistics() const;
 
  private:
   struct Impl;

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TOPS = ("runtime", "hal", "offline", "idl")
 SOURCES = {".h", ".cpp", ".c", ".cc", ".hpp"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
-GENERATED = ("idl/",)  # headers that the build makes
+GENERATED = ("idl/",)  # headers that the build makes; others are made from a .in file beside them
 # (headers, where they may be used; empty: nowhere of the folders checked)
 DDS = (re.compile(r"^(dds/|ddsc/|idl/dds/)"), ("runtime/publish", "hal/dds"))
 CONFINED = [
@@ -68,7 +68,8 @@ def violations(root, table):
                     found.append("%s: %s -> %s has no row in the table" % (where, kind, target_kind))
                 elif target_kind != kind and target_kind not in table[kind]:
                     found.append("%s: %s may not use %s (%s)" % (where, kind, target_kind, target))
-                elif not (root / target).is_file() and not target.startswith(GENERATED):
+                elif not (any((root / (target + end)).is_file() for end in ("", ".in"))
+                          or target.startswith(GENERATED)):
                     found.append("%s: %s does not exist" % (where, target))
     return found, seen
 

@@ -127,7 +127,7 @@ TEST(RoundTrip, PoseEstimatesArriveEqual) {
 TEST(RoundTrip, DetectionsComeForEveryFrameAlsoEmptyOnes) {
   DdsTestDomain domain;
   PublisherOptions options = options_of(domain);
-  options.object_boxes[1] = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}};
+  options.object_boxes["object_0"] = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}};
   Publisher publisher(options);
   Listener listener(domain, "detections");
   ASSERT_TRUE(listener.wait_for([&] { return listener.reader.matched_writers() > 0; }));

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "offline/evaluate/average_precision.h"
+
+#include <algorithm>
+
+namespace sextant {
+
+double average_precision(std::vector<ScoredHit> detections, int positives) {
+  if (positives <= 0) return 0;
+  std::sort(detections.begin(), detections.end(), [](const ScoredHit& a, const ScoredHit& b) {
+    return a.score != b.score ? a.score > b.score : !a.hit && b.hit;
+  });
+  // Precision just after each hit; between hits recall does not change.
+  std::vector<double> precision;
+  int hits = 0;
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    if (!detections[i].hit) continue;
+    ++hits;
+    precision.push_back(static_cast<double>(hits) / static_cast<double>(i + 1));
+  }
+  double area = 0;
+  double best = 0;
+  for (auto it = precision.rbegin(); it != precision.rend(); ++it) {
+    best = std::max(best, *it);
+    area += best / positives;
+  }
+  return area;
+}
+
+}  // namespace sextant

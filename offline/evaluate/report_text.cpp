@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "offline/evaluate/report_text.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace sextant {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
+std::string percent(const std::optional<double>& share) { return share ? percent(*share) : "-"; }
+std::string number(const std::optional<double>& value) { return value ? fmt::format("{:.3f}", *value) : "-"; }
+
+std::string line_of(const ObjectReport& o) {
+  const std::string false_share = fmt::format("{}/{}", o.false_detections, o.false_images);
+  return fmt::format("{:<14} {:>9} {:>6} {:>8} {:>9} {:>9} {:>8.2f} {:>8.1f} {:>9} {:>6} {:>8} {:>9}\n",
+                     o.name, o.instances, o.found, percent(o.share_right()), percent(o.share_translation),
+                     percent(o.share_rotation), o.median_translation_cm, o.median_rotation_deg,
+                     percent(o.precision()), number(o.average_precision), percent(o.add_recall), false_share);
+}
+
+Json optional_number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json to_json(const ObjectReport& o) {
+  return {{"instances", o.instances},
+          {"found", o.found},
+          {"right", o.right},
+          {"detections", o.detections},
+          {"share_right", o.share_right()},
+          {"share_translation", o.share_translation},
+          {"share_rotation", o.share_rotation},
+          {"median_translation_cm", o.median_translation_cm},
+          {"median_rotation_deg", o.median_rotation_deg},
+          {"precision", o.precision()},
+          {"recall", o.recall()},
+          {"average_precision", optional_number(o.average_precision)},
+          {"add_recall", optional_number(o.add_recall)},
+          {"false_images", o.false_images},
+          {"false_detections", o.false_detections}};
+}
+
+}  // namespace
+
+std::string format_report_text(const EvaluationReport& report) {
+  const std::string cm = fmt::format("<{:g} cm", report.options.max_translation_cm);
+  const std::string deg = fmt::format("<{:g} deg", report.options.max_rotation_deg);
+  std::string text = fmt::format("{:<14} {:>9} {:>6} {:>8} {:>9} {:>9} {:>8} {:>8} {:>9} {:>6} {:>8} {:>9}\n",
+                                 "", "instances", "found", "both", cm, deg, "med cm", "med deg", "precision",
+                                 "AP50", "ADD", "false/img");
+  for (const auto& [id, object] : report.objects) text += line_of(object);
+  if (report.objects.size() != 1) text += line_of(report.total);
+  text += fmt::format("{} images", report.images);
+  if (report.mean_seconds) text += fmt::format(", {:.3f} s each", *report.mean_seconds);
+  return text + "\n";
+}
+
+std::string format_report_json(const EvaluationReport& report) {
+  Json json;
+  json["images"] = report.images;
+  json["seconds"] = optional_number(report.mean_seconds);
+  json["total"] = to_json(report.total);
+  json["objects"] = Json::object();
+  for (const auto& [id, object] : report.objects) json["objects"][std::to_string(id)] = to_json(object);
+  json["instances"] = Json::array();
+  for (const InstanceResult& r : report.instances) {
+    json["instances"].push_back({{"scene_id", r.scene_id},
+                                 {"im_id", r.image_id},
+                                 {"obj_id", r.object_id},
+                                 {"found", r.found},
+                                 {"right", r.right},
+                                 {"score", r.score},
+                                 {"translation_cm", r.found ? Json(r.translation_cm) : Json(nullptr)},
+                                 {"rotation_deg", r.found ? Json(r.rotation_deg) : Json(nullptr)},
+                                 {"add_mm", optional_number(r.add_mm)},
+                                 {"add_s_mm", optional_number(r.add_s_mm)}});
+  }
+  return json.dump();
+}
+
+}  // namespace sextant

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// From the file's units and paths to the options of each part.
+#include <fmt/format.h>
+#include <glob.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <numbers>
+
+#include "runtime/base/error.h"
+#include "runtime/daemon/daemon_config.h"
+#include "runtime/publish/topics.h"
+
+namespace sextant {
+
+namespace {
+
+constexpr double kRadiansPerDegree = std::numbers::pi / 180;
+constexpr std::size_t kMostModels = 1000;
+
+TableSource table_source(const std::string& name) {
+  if (name == "none") return TableSource::kNone;
+  if (name == "estimate") return TableSource::kEstimate;
+  if (name == "fixed") return TableSource::kFixed;
+  return TableSource::kFrame;
+}
+
+unsigned domain_of(const DaemonConfig& config) {
+  if (config.publish.domain >= 0) return static_cast<unsigned>(config.publish.domain);
+  const char* text = std::getenv("ROS_DOMAIN_ID");
+  if (text == nullptr || *text == '\0') return 0;
+  unsigned domain = 0;
+  const char* end = text + std::strlen(text);
+  const auto [stop, error] = std::from_chars(text, end, domain);
+  if (error != std::errc() || stop != end) {
+    throw UsageError(fmt::format("ROS_DOMAIN_ID is '{}', no number", text),
+                     "set it to 0..230, or publish.domain");
+  }
+  check_domain(domain);
+  return domain;
+}
+
+}  // namespace
+
+void check_config(const DaemonConfig& config, const std::string& where) {
+  if (config.source.dataset.empty()) {
+    throw InputError(where, "source.dataset is missing", "give the folder of a BOP data set");
+  }
+  if (config.models.files.empty()) {
+    throw InputError(where, "models.files is empty", "give at least one model made by `sextant compile`");
+  }
+  if (config.detect.min_distance_m >= config.detect.max_distance_m) {
+    throw InputError(where, "detect.min_distance_m is not below detect.max_distance_m", "swap or widen them");
+  }
+  if (config.detect.search_width != 0 && config.detect.search_width < 64) {
+    throw InputError(where, "detect.search_width is below 64",
+                     "use 0 for the frame's own width, or 64..4096");
+  }
+  for (const std::string& topic :
+       {config.publish.detections, config.publish.object_pose, config.publish.pose_estimates}) {
+    const std::string& prefix = config.publish.name_space;
+    if (!topic.empty() && !is_topic_name(prefix.empty() ? topic : fmt::format("{}/{}", prefix, topic))) {
+      throw InputError(where, "publish.namespace and a topic are too long together",
+                       "use at most 200 characters");
+    }
+  }
+  const auto& p = config.publish;
+  if ((!p.detections.empty() && (p.detections == p.object_pose || p.detections == p.pose_estimates)) ||
+      (!p.object_pose.empty() && p.object_pose == p.pose_estimates)) {
+    throw InputError(where, "two topics of publish have the same name", "give each its own, or \"\" for off");
+  }
+}
+
+BopSourceOptions source_options(const DaemonConfig& config) {
+  BopSourceOptions options;
+  options.dataset = (config.folder / config.source.dataset).lexically_normal();
+  options.split = config.source.split;
+  options.scene = config.source.scene;
+  options.image = config.source.image;
+  options.rate_hz = config.source.rate_hz;
+  options.loop = config.source.loop;
+  options.frame_id = config.source.frame_id;
+  return options;
+}
+
+DetectOptions detect_options(const DaemonConfig& config) {
+  const DaemonConfig::Detect& d = config.detect;
+  DetectOptions options;
+  options.table = table_source(d.table);
+  options.fixed_table = TableGeometry::from_pitch_roll(
+      d.table_pitch_deg * kRadiansPerDegree, d.table_roll_deg * kRadiansPerDegree, d.table_height_m);
+  options.tolerance = {d.height_tolerance_m, d.angle_tolerance_deg * kRadiansPerDegree};
+  options.max_detections = d.max_detections;
+  options.threshold = d.threshold;
+  options.deadline_ms = d.deadline_ms;
+  options.threads = d.threads;
+  options.scoring = d.scoring;
+  options.bound = d.bound;
+  options.search_width = d.search_width;
+  options.min_distance_m = d.min_distance_m;
+  options.max_distance_m = d.max_distance_m;
+  return options;
+}
+
+PipelineOptions pipeline_options(const DaemonConfig& config) {
+  PipelineOptions options;
+  options.queue_frames = config.pipeline.queue_frames;
+  options.max_age_ms = config.pipeline.max_age_ms;
+  options.skip_none = config.source.kind == "playback" && config.source.rate_hz == 0;
+  return options;
+}
+
+PublisherOptions publisher_options(const DaemonConfig& config) {
+  PublisherOptions options;
+  options.domain = domain_of(config);
+  options.name_space = config.publish.name_space;
+  options.detections_topic = config.publish.detections;
+  options.object_pose_topic = config.publish.object_pose;
+  options.pose_estimates_topic = config.publish.pose_estimates;
+  options.lease_ms = config.publish.lease_ms;
+  options.max_age_ms = config.pipeline.max_age_ms;
+  return options;
+}
+
+std::vector<std::filesystem::path> model_files(const DaemonConfig& config) {
+  std::vector<std::filesystem::path> files;
+  for (const std::string& pattern : config.models.files) {
+    const std::string path = (config.folder / pattern).lexically_normal().string();
+    glob_t found{};
+    const int code = glob(path.c_str(), 0, nullptr, &found);
+    for (std::size_t i = 0; code == 0 && i < found.gl_pathc; ++i) files.emplace_back(found.gl_pathv[i]);
+    globfree(&found);
+    if (code == GLOB_NOMATCH)
+      throw InputError(path, "there is no such model", "make one with `sextant compile`");
+    if (code != 0) throw InputError(path, "cannot look for models", "check the folder and its permissions");
+  }
+  std::sort(files.begin(), files.end());
+  files.erase(std::unique(files.begin(), files.end()), files.end());
+  if (files.size() > kMostModels) {
+    throw InputError("models.files", fmt::format("{} models", files.size()), "use at most 1000");
+  }
+  return files;
+}
+
+}  // namespace sextant

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "runtime/daemon/daemon_config.h"
+
+#include "runtime/publish/topics.h"
+
+namespace sextant {
+
+namespace {
+
+bool is_topic_or_empty(const std::string& name) { return name.empty() || is_topic_name(name); }
+bool is_file_name(const std::string& name) {
+  return !name.empty() && name.find_first_of("/\\") == std::string::npos && name != "." && name != "..";
+}
+bool is_frame_id(const std::string& name) {
+  return !name.empty() && name.size() <= 200 &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/-.") ==
+             std::string::npos;
+}
+
+constexpr char kTopicForm[] =
+    "a topic name (letters, digits, _ and /, not starting with / or a digit) or \"\"";
+
+}  // namespace
+
+std::vector<ConfigSection> config_sections() {
+  return {
+      {"source", "Where frames come from."},
+      {"models", "What to look for."},
+      {"detect", "How to look: the same options as `sextant detect`."},
+      {"publish", "Where poses go: DDS topics as ROS 2 names them (docs/consume-poses.md)."},
+      {"pipeline", "From frames to poses in time."},
+      {"log", "Lines on stderr."},
+  };
+}
+
+std::vector<ConfigField> config_fields(DaemonConfig& c) {
+  return {
+      {.section = "source",
+       .key = "kind",
+       .target = &c.source.kind,
+       .text =
+           "The kind of source. playback plays a BOP data set as if it were a camera; every frame is stamped "
+           "with the time at which it is played, because a recording has no live capture time.",
+       .choices = {"playback"}},
+      {.section = "source",
+       .key = "dataset",
+       .target = &c.source.dataset,
+       .text = "Folder of the BOP data set. Relative paths start at this file's folder."},
+      {.section = "source",
+       .key = "split",
+       .target = &c.source.split,
+       .text = "Folder inside the data set that holds the scenes.",
+       .accepts = is_file_name,
+       .accepted_form = "the name of a folder"},
+      {.section = "source",
+       .key = "scene",
+       .target = &c.source.scene,
+       .text = "Play only this scene; -1 plays all.",
+       .lowest = -1,
+       .highest = 999999},
+      {.section = "source",
+       .key = "image",
+       .target = &c.source.image,
+       .text = "Play only the image of this number; -1 plays all.",
+       .lowest = -1,
+       .highest = 999999},
+      {.section = "source",
+       .key = "rate_hz",
+       .target = &c.source.rate_hz,
+       .text =
+           "Frames per second. 0 plays as fast as detection takes them and then skips none; a paced source "
+           "drops its oldest waiting frame when detection is late, as a camera would.",
+       .unit = "Hz",
+       .lowest = 0,
+       .highest = 1000},
+      {.section = "source",
+       .key = "loop",
+       .target = &c.source.loop,
+       .text = "Begin again after the last frame. Without it the daemon ends there."},
+      {.section = "source",
+       .key = "frame_id",
+       .target = &c.source.frame_id,
+       .text = "Name of the camera's optical frame (x right, y down, z forward) in the published messages.",
+       .accepts = is_frame_id,
+       .accepted_form = "1 to 200 letters, digits, _ / - ."},
+      {.section = "models",
+       .key = "files",
+       .target = &c.models.files,
+       .text = "Compiled models (made by `sextant compile`), a list. *, ? and [] are expanded; relative "
+               "paths start "
+               "at this file's folder."},
+      {.section = "detect",
+       .key = "table",
+       .target = &c.detect.table,
+       .text =
+           "Where the table is known from. frame: the source says so; estimate: fitted to each depth image; "
+           "fixed: the three keys below; none: objects may float and lean (slow).",
+       .choices = {"none", "frame", "estimate", "fixed"}},
+      {.section = "detect",
+       .key = "table_pitch_deg",
+       .target = &c.detect.table_pitch_deg,
+       .text = "For table: fixed. How far the camera looks down.",
+       .unit = "degrees",
+       .lowest = -90,
+       .highest = 90},
+      {.section = "detect",
+       .key = "table_roll_deg",
+       .target = &c.detect.table_roll_deg,
+       .text = "For table: fixed. Roll of the camera around its optical axis.",
+       .unit = "degrees",
+       .lowest = -180,
+       .highest = 180},
+      {.section = "detect",
+       .key = "table_height_m",
+       .target = &c.detect.table_height_m,
+       .text = "For table: fixed. Height of the camera above the table.",
+       .unit = "m",
+       .lowest = 0.01,
+       .highest = 20},
+      {.section = "detect",
+       .key = "height_tolerance_m",
+       .target = &c.detect.height_tolerance_m,
+       .text = "How far the centre of an object may be above or below where the table puts it.",
+       .unit = "m",
+       .lowest = 0.0005,
+       .highest = 1},
+      {.section = "detect",
+       .key = "angle_tolerance_deg",
+       .target = &c.detect.angle_tolerance_deg,
+       .text = "How far an object may lean.",
+       .unit = "degrees",
+       .lowest = 0.1,
+       .highest = 90},
+      {.section = "detect",
+       .key = "max_detections",
+       .target = &c.detect.max_detections,
+       .text = "Most poses of each object in one frame.",
+       .lowest = 1,
+       .highest = 100},
+      {.section = "detect",
+       .key = "threshold",
+       .target = &c.detect.threshold,
+       .text = "Log score that a pose must reach; auto: what the detector takes for each model.",
+       .lowest = -1e9,
+       .highest = 1e9},
+      {.section = "detect",
+       .key = "deadline_ms",
+       .target = &c.detect.deadline_ms,
+       .text = "The search of one frame ends after this time with the best pose so far and a bound on what "
+               "it may "
+               "have missed (status bounded). 0 searches until the best pose is proven.",
+       .unit = "ms",
+       .lowest = 0,
+       .highest = 600000},
+      {.section = "detect",
+       .key = "threads",
+       .target = &c.detect.threads,
+       .text = "Threads of the search; 0 uses all cores. The result does not depend on it.",
+       .lowest = 0,
+       .highest = 256},
+      {.section = "detect",
+       .key = "scoring",
+       .target = &c.detect.scoring,
+       .text = "How poses are scored: likelihood compares with the background, thesis is the reference.",
+       .choices = {"likelihood", "thesis"}},
+      {.section = "detect",
+       .key = "bound",
+       .target = &c.detect.bound,
+       .text = "The upper bound that drives the search.",
+       .choices = {"window"}},
+      {.section = "detect",
+       .key = "search_width",
+       .target = &c.detect.search_width,
+       .text =
+           "Width of the image that is searched (0 or at least 64); frames are scaled down to it. 0 searches "
+           "the frame as it is.",
+       .unit = "pixels",
+       .lowest = 0,
+       .highest = 4096},
+      {.section = "detect",
+       .key = "min_distance_m",
+       .target = &c.detect.min_distance_m,
+       .text = "Nearest distance of an object's centre from the camera.",
+       .unit = "m",
+       .lowest = 0.06,
+       .highest = 60},
+      {.section = "detect",
+       .key = "max_distance_m",
+       .target = &c.detect.max_distance_m,
+       .text = "Farthest distance.",
+       .unit = "m",
+       .lowest = 0.06,
+       .highest = 60},
+      {.section = "publish",
+       .key = "domain",
+       .target = &c.publish.domain,
+       .text = "DDS domain. -1 takes the environment's ROS_DOMAIN_ID, and 0 where that is not set.",
+       .lowest = -1,
+       .highest = 230},
+      {.section = "publish",
+       .key = "namespace",
+       .target = &c.publish.name_space,
+       .text =
+           "Put before every topic: \"arm\" publishes rt/arm/detections, which ROS 2 calls /arm/detections.",
+       .accepts = is_topic_or_empty,
+       .accepted_form = kTopicForm},
+      {.section = "publish",
+       .key = "detections",
+       .target = &c.publish.detections,
+       .text = "Topic of vision_msgs/Detection3DArray, one message per frame; \"\" switches it off.",
+       .accepts = is_topic_or_empty,
+       .accepted_form = kTopicForm},
+      {.section = "publish",
+       .key = "object_pose",
+       .target = &c.publish.object_pose,
+       .text = "Topic of geometry_msgs/PoseStamped, the best pose, silent when there is none; \"\" switches "
+               "it off.",
+       .accepts = is_topic_or_empty,
+       .accepted_form = kTopicForm},
+      {.section = "publish",
+       .key = "pose_estimates",
+       .target = &c.publish.pose_estimates,
+       .text = "Topic of sextant_msgs/PoseEstimateArray, all poses with their certificates; \"\" switches it "
+               "off.",
+       .accepts = is_topic_or_empty,
+       .accepted_form = kTopicForm},
+      {.section = "publish",
+       .key = "lease_ms",
+       .target = &c.publish.lease_ms,
+       .text = "Readers learn after this time that the daemon was killed, or (detections) that frames fail "
+               "to come. "
+               "Readers that ask for less get nothing.",
+       .unit = "ms",
+       .lowest = 50,
+       .highest = 60000},
+      {.section = "publish",
+       .key = "once_wait_ms",
+       .target = &c.publish.once_wait_ms,
+       .text = "With --once: how long to wait for a reader before the frame and for its acknowledgement "
+               "after it.",
+       .unit = "ms",
+       .lowest = 0,
+       .highest = 600000},
+      {.section = "pipeline",
+       .key = "queue_frames",
+       .target = &c.pipeline.queue_frames,
+       .text =
+           "Frames that may wait for detection. When another one comes, the oldest is dropped and counted.",
+       .lowest = 1,
+       .highest = 100},
+      {.section = "pipeline",
+       .key = "max_age_ms",
+       .target = &c.pipeline.max_age_ms,
+       .text = "A result that is older than this, from capture, is dropped and counted, never published as "
+               "fresh. "
+               "Also the lifespan of pose_estimates.",
+       .unit = "ms",
+       .lowest = 10,
+       .highest = 3600000},
+      {.section = "log",
+       .key = "level",
+       .target = &c.log.level,
+       .text = "Least severe lines that are written.",
+       .choices = {"debug", "info", "warn", "error"}},
+  };
+}
+
+}  // namespace sextant

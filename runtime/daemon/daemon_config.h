@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// What sextantd can be told. config/sextantd.yaml documents every key.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/playback/bop_source.h"
+#include "runtime/daemon/config_field.h"
+#include "runtime/daemon/pipeline.h"
+#include "runtime/detect/detector.h"
+#include "runtime/publish/publisher.h"
+
+namespace sextant {
+
+/// The values as the YAML file gives them: units of the file, paths relative to `folder`.
+struct DaemonConfig {
+  std::filesystem::path folder;  ///< of the YAML file: relative paths start here
+
+  struct Source {
+    std::string kind = "playback";
+    std::string dataset;
+    std::string split = "test";
+    int scene = -1;
+    int image = -1;
+    double rate_hz = 0;
+    bool loop = false;
+    std::string frame_id = "camera_color_optical_frame";
+  } source;
+
+  struct Models {
+    std::vector<std::string> files;
+  } models;
+
+  struct Detect {
+    std::string table = "frame";
+    double table_pitch_deg = 30;
+    double table_roll_deg = 0;
+    double table_height_m = 0.5;
+    double height_tolerance_m = TableTolerance().height_m;
+    double angle_tolerance_deg = 12;
+    int max_detections = DetectOptions().max_detections;
+    std::optional<double> threshold = DetectOptions().threshold;
+    double deadline_ms = DetectOptions().deadline_ms;
+    int threads = DetectOptions().threads;
+    std::string scoring = DetectOptions().scoring;
+    std::string bound = DetectOptions().bound;
+    int search_width = DetectOptions().search_width;
+    double min_distance_m = DetectOptions().min_distance_m;
+    double max_distance_m = DetectOptions().max_distance_m;
+  } detect;
+
+  struct Publish {
+    int domain = -1;
+    std::string name_space;
+    std::string detections = PublisherOptions().detections_topic;
+    std::string object_pose = PublisherOptions().object_pose_topic;
+    std::string pose_estimates = PublisherOptions().pose_estimates_topic;
+    double lease_ms = PublisherOptions().lease_ms;
+    double once_wait_ms = 3000;
+  } publish;
+
+  struct Flow {
+    int queue_frames = PipelineOptions().queue_frames;
+    double max_age_ms = PipelineOptions().max_age_ms;
+  } pipeline;
+
+  struct Log {
+    std::string level = "info";
+  } log;
+};
+
+/// The sections and keys in the order of the file; the targets point into `config`.
+std::vector<ConfigSection> config_sections();
+std::vector<ConfigField> config_fields(DaemonConfig& config);
+
+/// Checks what no key can know alone. Throws InputError(where).
+void check_config(const DaemonConfig& config, const std::string& where);
+
+/// The parts' own options.
+BopSourceOptions source_options(const DaemonConfig& config);
+DetectOptions detect_options(const DaemonConfig& config);
+PipelineOptions pipeline_options(const DaemonConfig& config);
+/// object_boxes stays empty. Throws UsageError where ROS_DOMAIN_ID is needed and no number.
+PublisherOptions publisher_options(const DaemonConfig& config);
+/// The model files after expansion of *, ? and [], sorted. Throws InputError for a pattern without a file.
+std::vector<std::filesystem::path> model_files(const DaemonConfig& config);
+
+}  // namespace sextant

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What systemd is told: ready, alive (only when frames really pass), stopping. Silent without systemd.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace sextant {
+
+/// Speaks sd_notify(3) to the socket in NOTIFY_SOCKET.
+class ServiceNotifier {
+ public:
+  ServiceNotifier();
+
+  /// The source is open, the models are loaded, the writers stand.
+  void ready() const;
+  /// A frame passed. The watchdog lives on nothing else: when frames stop, systemd restarts the service.
+  void progress();
+  /// An orderly end begins.
+  void stopping() const;
+  /// One line for `systemctl status`.
+  void status(const std::string& line) const;
+
+ private:
+  std::chrono::steady_clock::duration watchdog_interval_{};  ///< zero: no watchdog
+  std::chrono::steady_clock::time_point last_{};
+};
+
+}  // namespace sextant

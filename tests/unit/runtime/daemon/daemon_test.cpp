@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// The life of the daemon in one process: real publisher, scripted source.
+#include "runtime/daemon/daemon.h"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <thread>
+
+#include "runtime/base/error.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/runtime/daemon/notify_socket.h"
+#include "tests/unit/runtime/daemon/scripted_source.h"
+#include "tests/unit/runtime/publish/dds_test_domain.h"
+
+namespace sextant {
+namespace {
+
+using namespace std::chrono_literals;
+
+class Daemon : public testing::Test {
+ protected:
+  Daemon() {
+    setenv("NOTIFY_SOCKET", notify_.path().c_str(), 1);
+    setenv("WATCHDOG_USEC", "80000", 1);
+    run_.pipeline.max_age_ms = 60000;
+    run_.once_wait = 100ms;
+    run_.abandon = [this] { abandoned_ = true; };
+  }
+  ~Daemon() override {
+    unsetenv("NOTIFY_SOCKET");
+    unsetenv("WATCHDOG_USEC");
+  }
+  PublisherOptions publishing() const {
+    PublisherOptions options;
+    options.domain = domain_.writing;
+    options.name_space = domain_.name_space;
+    return options;
+  }
+
+  SignalWaiter signals_;  // before any thread
+  TemporaryFolder folder_;
+  NotifySocket notify_{folder_ / "notify"};
+  DdsTestDomain domain_;
+  DaemonRun run_;
+  std::atomic<bool> abandoned_ = false;
+};
+
+TEST_F(Daemon, EndsWithItsSourceAndTellsSystemd) {
+  ScriptedSource source(20, [](RgbdFrame&) { std::this_thread::sleep_for(10ms); });
+  Publisher publisher(publishing());
+  run_.pipeline.skip_none = true;
+  run_daemon(source, empty_result, publisher, signals_, run_);
+  EXPECT_EQ(publisher.statistics().published, 20U);
+  const auto messages = notify_.messages();
+  ASSERT_THAT(messages, testing::SizeIs(testing::Ge(3U)));
+  EXPECT_THAT(messages, testing::Contains("READY=1"));
+  EXPECT_THAT(messages, testing::Contains("WATCHDOG=1"));
+  EXPECT_THAT(messages, testing::Contains("STOPPING=1"));
+  EXPECT_FALSE(abandoned_);
+}
+
+TEST_F(Daemon, TheWatchdogStarvesWhenFramesFail) {
+  ScriptedSource source(20, [](RgbdFrame&) { std::this_thread::sleep_for(10ms); });
+  Publisher publisher(publishing());
+  run_.pipeline.skip_none = true;
+  const auto fails = [](const RgbdFrame&) -> FrameResult { throw InputError("image", "no table"); };
+  run_daemon(source, fails, publisher, signals_, run_);
+  EXPECT_EQ(publisher.statistics().published, 0U);
+  EXPECT_THAT(notify_.messages(), testing::Contains("READY=1"));
+  EXPECT_THAT(notify_.messages(), testing::Not(testing::Contains("WATCHDOG=1")));
+}
+
+TEST_F(Daemon, EndsOnSigtermAndSigint) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    ScriptedSource source(1000000, [](RgbdFrame&) { std::this_thread::sleep_for(5ms); });
+    Publisher publisher(publishing());
+    std::atomic<int> detected = 0;
+    std::thread sender([&] {
+      while (detected < 5) std::this_thread::sleep_for(1ms);
+      kill(getpid(), signal);
+    });
+    const auto detect = [&](const RgbdFrame& frame) {
+      ++detected;
+      return empty_result(frame);
+    };
+    run_daemon(source, detect, publisher, signals_, run_);
+    sender.join();
+    EXPECT_GE(publisher.statistics().published, 4U);
+    EXPECT_FALSE(abandoned_);
+  }
+}
+
+TEST_F(Daemon, LeavesADetectionThatDoesNotEnd) {
+  ScriptedSource source(1);
+  source.run_forever();
+  Publisher publisher(publishing());
+  std::atomic<bool> let_go = false;
+  run_.abandon = [&] {
+    abandoned_ = true;
+    let_go = true;
+  };
+  std::atomic<bool> detecting = false;
+  std::thread sender([&] {
+    while (!detecting) std::this_thread::sleep_for(1ms);
+    kill(getpid(), SIGTERM);
+  });
+  const auto detect = [&](const RgbdFrame& frame) {
+    detecting = true;
+    while (!let_go) std::this_thread::sleep_for(1ms);
+    return empty_result(frame);
+  };
+  run_daemon(source, detect, publisher, signals_, run_);
+  sender.join();
+  EXPECT_TRUE(abandoned_);
+  EXPECT_EQ(publisher.statistics().published, 0U);
+}
+
+TEST_F(Daemon, ADeadDeviceIsTheCallersError) {
+  ScriptedSource source(10, [](RgbdFrame&) { throw DeviceError("camera", "it was unplugged"); });
+  Publisher publisher(publishing());
+  EXPECT_THROW(run_daemon(source, empty_result, publisher, signals_, run_), DeviceError);
+}
+
+}  // namespace
+}  // namespace sextant
