@@ -21,7 +21,8 @@ enum class ExitCode : int {
 class DoorError : public std::runtime_error {
  public:
   DoorError(ExitCode code, const std::string& where, const std::string& what, const std::string& advice)
-      : std::runtime_error((where.empty() ? "" : where + ": ") + what + (advice.empty() ? "" : "; " + advice)),
+      : std::runtime_error((where.empty() ? "" : where + ": ") + what +
+                           (advice.empty() ? "" : "; " + advice)),
         code_(code) {}
   ExitCode exit_code() const { return code_; }
 

@@ -19,7 +19,8 @@ namespace {
 /// Distorted tangent coordinates (OpenCV's rational model).
 Eigen::Vector2d distorted(const std::array<double, 8>& k, const Eigen::Vector2d& t) {
   const double r2 = t.squaredNorm();
-  const double radial = (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
+  const double radial =
+      (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
   const double xy = t.x() * t.y();
   return {t.x() * radial + 2 * k[2] * xy + k[3] * (r2 + 2 * t.x() * t.x()),
           t.y() * radial + k[2] * (r2 + 2 * t.y() * t.y()) + 2 * k[3] * xy};
@@ -58,23 +59,26 @@ PinholeCamera CameraModel::ideal(int width_out) const {
 
 void CameraModel::check(const std::string& where) const {
   if (width < 16 || height < 16 || width > 16384 || height > 16384) {
-    throw InputError(where, "camera size " + std::to_string(width) + " x " + std::to_string(height) +
-                                " is outside 16..16384 pixels",
+    throw InputError(where,
+                     "camera size " + std::to_string(width) + " x " + std::to_string(height) +
+                         " is outside 16..16384 pixels",
                      "give the size of the images");
   }
   const bool focal_ok = std::isfinite(fx) && std::isfinite(fy) && fx > 0.1 * width && fy > 0.1 * width &&
                         fx < 100.0 * width && fy < 100.0 * width && fx / fy < 1.5 && fy / fx < 1.5;
   if (!focal_ok) {
-    throw InputError(where, "focal lengths " + std::to_string(fx) + ", " + std::to_string(fy) +
-                                " are not those of a camera with this image size",
+    throw InputError(where,
+                     "focal lengths " + std::to_string(fx) + ", " + std::to_string(fy) +
+                         " are not those of a camera with this image size",
                      "give fx, fy in pixels from the calibration");
   }
   const bool centre_ok = std::isfinite(cx) && std::isfinite(cy) && cx > -width && cx < 2.0 * width &&
                          cy > -height && cy < 2.0 * height;
   if (!centre_ok) {
-    throw InputError(where, "the principal point " + std::to_string(cx) + ", " + std::to_string(cy) +
-                                " is far outside the image",
-                     "give cx, cy in pixels from the calibration");
+    throw InputError(
+        where,
+        "the principal point " + std::to_string(cx) + ", " + std::to_string(cy) + " is far outside the image",
+        "give cx, cy in pixels from the calibration");
   }
   for (const double d : distortion) {
     if (!std::isfinite(d) || std::abs(d) > 100) {

@@ -46,7 +46,8 @@ struct CameraModel {
   /// The ideal camera that covers about the same view: focal = sqrt(fx fy) * width_out / width.
   /// width_out 0 keeps the size.
   PinholeCamera ideal(int width_out = 0) const;
-  /// Throws InputError(where) unless sizes are 16..16384, focals finite and positive, the centre in a sane place.
+  /// Throws InputError(where) unless sizes are 16..16384, focals finite and positive, the centre in a sane
+  /// place.
   void check(const std::string& where) const;
 };
 

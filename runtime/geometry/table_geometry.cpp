@@ -37,7 +37,8 @@ double largest_sine_on_edge(const Eigen::Vector3d& down, const Eigen::Vector2d& 
 }
 
 /// Smallest sine along the segment: at the ends, unless the sine is negative between them.
-double smallest_sine_on_edge(const Eigen::Vector3d& down, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+double smallest_sine_on_edge(const Eigen::Vector3d& down, const Eigen::Vector2d& a,
+                             const Eigen::Vector2d& b) {
   return -largest_sine_on_edge(-down, a, b);
 }
 
@@ -50,7 +51,8 @@ Interval atan2_over(Interval y, Interval x) {
   }
   const std::array<double, 4> corners{std::atan2(y.lo, x.lo), std::atan2(y.lo, x.hi), std::atan2(y.hi, x.lo),
                                       std::atan2(y.hi, x.hi)};
-  return {*std::min_element(corners.begin(), corners.end()), *std::max_element(corners.begin(), corners.end())};
+  return {*std::min_element(corners.begin(), corners.end()),
+          *std::max_element(corners.begin(), corners.end())};
 }
 
 }  // namespace
@@ -67,7 +69,8 @@ double TableGeometry::pitch_rad() const {
 
 double TableGeometry::roll_rad() const { return std::atan2(-up_in_camera.x(), -up_in_camera.y()); }
 
-UprightPose upright_pose_at(const PinholeCamera& camera, const Eigen::Vector3d& up_in_camera, double x, double y) {
+UprightPose upright_pose_at(const PinholeCamera& camera, const Eigen::Vector3d& up_in_camera, double x,
+                            double y) {
   const Eigen::Vector3d up = camera_from_tangent(camera, x, y).transpose() * up_in_camera;
   UprightPose pose;
   pose.rx = std::atan2(up.x(), -up.y());
@@ -76,8 +79,8 @@ UprightPose upright_pose_at(const PinholeCamera& camera, const Eigen::Vector3d& 
   return pose;
 }
 
-bool table_constraint_contains(const PinholeCamera& camera, const TableGeometry& table, double centre_height_m,
-                               const TableTolerance& tolerance, const Pose6& pose) {
+bool table_constraint_contains(const PinholeCamera& camera, const TableGeometry& table,
+                               double centre_height_m, const TableTolerance& tolerance, const Pose6& pose) {
   const UprightPose upright = upright_pose_at(camera, table.up_in_camera, pose.x, pose.y);
   if (upright.sine_of_elevation <= 0) return false;
   const double drop = table.camera_height_m - centre_height_m;
@@ -91,8 +94,9 @@ UprightRange upright_range_over(const PinholeCamera& camera, const Eigen::Vector
   const Eigen::Vector3d down = -up_in_camera;
   const Eigen::Vector2d t0 = camera.tangent(x.lo, y.lo);
   const Eigen::Vector2d t1 = camera.tangent(x.hi, y.hi);
-  const std::array<Eigen::Vector2d, 4> corner{Eigen::Vector2d(t0.x(), t0.y()), Eigen::Vector2d(t1.x(), t0.y()),
-                                              Eigen::Vector2d(t1.x(), t1.y()), Eigen::Vector2d(t0.x(), t1.y())};
+  const std::array<Eigen::Vector2d, 4> corner{
+      Eigen::Vector2d(t0.x(), t0.y()), Eigen::Vector2d(t1.x(), t0.y()), Eigen::Vector2d(t1.x(), t1.y()),
+      Eigen::Vector2d(t0.x(), t1.y())};
   UprightRange range;
 
   // The sine is the cosine of the angle to `down`: its extremes lie on the rectangle's edges, or it is
@@ -106,14 +110,15 @@ UprightRange upright_range_over(const PinholeCamera& camera, const Eigen::Vector
   if (down.z() != 0) {
     const double qx = down.x() / down.z();
     const double qy = down.y() / down.z();
-    if (t0.x() <= qx && qx <= t1.x() && t0.y() <= qy && qy <= t1.y()) (down.z() > 0 ? largest : smallest) = down.z() > 0 ? 1 : -1;
+    if (t0.x() <= qx && qx <= t1.x() && t0.y() <= qy && qy <= t1.y())
+      (down.z() > 0 ? largest : smallest) = down.z() > 0 ? 1 : -1;
   }
-  range.sine_of_elevation =
-      intersect(Interval{smallest, largest}.widened(kRounding), Interval{-1, 1});
-  range.ry = Interval{-std::asin(range.sine_of_elevation.hi), -std::asin(range.sine_of_elevation.lo)}.widened(kRounding);
+  range.sine_of_elevation = intersect(Interval{smallest, largest}.widened(kRounding), Interval{-1, 1});
+  range.ry = Interval{-std::asin(range.sine_of_elevation.hi), -std::asin(range.sine_of_elevation.lo)}.widened(
+      kRounding);
 
-  // tan rx = (up.right) / -(up.down) with right = (1, 0, -px)/a, down = (-px py, 1 + px^2, -py)/(a n); multiply
-  // both by a n > 0.
+  // tan rx = (up.right) / -(up.down) with right = (1, 0, -px)/a, down = (-px py, 1 + px^2, -py)/(a n);
+  // multiply both by a n > 0.
   const Interval px{t0.x(), t1.x()};
   const Interval py{t0.y(), t1.y()};
   const Interval px2 = square(px);
@@ -127,8 +132,8 @@ UprightRange upright_range_over(const PinholeCamera& camera, const Eigen::Vector
   return range;
 }
 
-Interval table_distance_range(const TableGeometry& table, double centre_height_m, const TableTolerance& tolerance,
-                              Interval sine_of_elevation) {
+Interval table_distance_range(const TableGeometry& table, double centre_height_m,
+                              const TableTolerance& tolerance, Interval sine_of_elevation) {
   const double drop = table.camera_height_m - centre_height_m;
   const double hi = drop + tolerance.height_m;
   if (sine_of_elevation.hi <= 0 || hi < 0) return {1, 0};

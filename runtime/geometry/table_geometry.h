@@ -24,7 +24,7 @@ struct TableGeometry {
 
 /// Tolerances of the table constraint (thesis table 6.3: 0.0135 m, 12 deg).
 struct TableTolerance {
-  double height_m = 0.0135;   ///< of the object's centre above the table
+  double height_m = 0.0135;               ///< of the object's centre above the table
   double angle_rad = 0.2094395102393195;  ///< of rx and of ry
 };
 
@@ -36,12 +36,13 @@ struct UprightPose {
 };
 
 /// rx, ry of an upright object whose centre projects to pixel (x, y), and the ray's sine of elevation.
-UprightPose upright_pose_at(const PinholeCamera& camera, const Eigen::Vector3d& up_in_camera, double x, double y);
+UprightPose upright_pose_at(const PinholeCamera& camera, const Eigen::Vector3d& up_in_camera, double x,
+                            double y);
 
 /// CONSTRAINT-CONTAINS (Proc. 21, with the z test that the thesis forgot). centre_height_m: of the object's
 /// centre above the table. z: |camera_height - centre_height - z * sine_of_elevation| <= tolerance.height_m.
-bool table_constraint_contains(const PinholeCamera& camera, const TableGeometry& table, double centre_height_m,
-                               const TableTolerance& tolerance, const Pose6& pose);
+bool table_constraint_contains(const PinholeCamera& camera, const TableGeometry& table,
+                               double centre_height_m, const TableTolerance& tolerance, const Pose6& pose);
 
 /// Ranges of what the table demands over a rectangle of pixel positions [x.lo, x.hi] x [y.lo, y.hi].
 /// Every value at any point of the rectangle lies inside (RX-RANGE, RY-RANGE, Z-RANGE of Procs. 22-27 for
@@ -56,7 +57,7 @@ UprightRange upright_range_over(const PinholeCamera& camera, const Eigen::Vector
 
 /// Range of z (metres) of a centre at centre_height_m +- tolerance over rays of the given elevation sines.
 /// Empty (lo > hi) where no ray meets the table.
-Interval table_distance_range(const TableGeometry& table, double centre_height_m, const TableTolerance& tolerance,
-                              Interval sine_of_elevation);
+Interval table_distance_range(const TableGeometry& table, double centre_height_m,
+                              const TableTolerance& tolerance, Interval sine_of_elevation);
 
 }  // namespace sextant

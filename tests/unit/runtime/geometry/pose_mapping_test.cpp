@@ -17,9 +17,12 @@ TEST(PoseMapping, RoundTripsToOneNanoUnit) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int i = 0; i < 20000; ++i) {
-    const Pose6 pose{unit(random) * 640,           unit(random) * 480,
-                     0.3 + 3 * unit(random),       (2 * unit(random) - 1) * 3.14,
-                     -(0.001 + unit(random) * 1.56), (2 * unit(random) - 1) * 3.14};
+    const Pose6 pose{unit(random) * 640,
+                     unit(random) * 480,
+                     0.3 + 3 * unit(random),
+                     (2 * unit(random) - 1) * 3.14,
+                     -(0.001 + unit(random) * 1.56),
+                     (2 * unit(random) - 1) * 3.14};
     const Pose6 back = pose_from_transform(kCamera, transform_from_pose(kCamera, pose));
     EXPECT_NEAR(back.x, pose.x, 1e-9);
     EXPECT_NEAR(back.y, pose.y, 1e-9);

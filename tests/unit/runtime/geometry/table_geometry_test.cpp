@@ -44,8 +44,8 @@ TEST(TableGeometry, AgreesWithTheThesisAtRollZero) {
         if (up.sine_of_elevation > 0.01) {
           EXPECT_NEAR(drop / up.sine_of_elevation, drop * n / (py * std::cos(pitch) + std::sin(pitch)), 1e-9);
         }
-        const double tangent_rx = std::atan2(std::sin(pitch) * px * n,
-                                             std::cos(pitch) * (1 + px * px) - std::sin(pitch) * py);
+        const double tangent_rx =
+            std::atan2(std::sin(pitch) * px * n, std::cos(pitch) * (1 + px * px) - std::sin(pitch) * py);
         EXPECT_NEAR(up.rx, tangent_rx, 1e-9);
       }
     }
@@ -89,8 +89,8 @@ TEST(TableGeometry, RangesContainEverySample) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(0, 1);
   for (int i = 0; i < 3000; ++i) {
-    const TableGeometry table =
-        TableGeometry::from_pitch_roll((unit(random) * 1.8 - 0.3), (2 * unit(random) - 1) * kPi, 0.5 + unit(random));
+    const TableGeometry table = TableGeometry::from_pitch_roll(
+        (unit(random) * 1.8 - 0.3), (2 * unit(random) - 1) * kPi, 0.5 + unit(random));
     const double size = std::pow(2.0, 9 * unit(random));
     const double x0 = -50 + unit(random) * 700;
     const double y0 = -50 + unit(random) * 540;
@@ -121,7 +121,8 @@ TEST(TableGeometry, RangesShrinkWithTheRectangle) {
   const TableGeometry table = TableGeometry::from_pitch_roll(0.75, 0.05, 1);
   double last = 10;
   for (double size : {64.0, 16.0, 4.0, 1.0, 0.0}) {
-    const UprightRange r = upright_range_over(kCamera, table.up_in_camera, {500, 500 + size}, {300, 300 + size});
+    const UprightRange r =
+        upright_range_over(kCamera, table.up_in_camera, {500, 500 + size}, {300, 300 + size});
     EXPECT_LT(r.rx.hi - r.rx.lo, last);
     last = r.rx.hi - r.rx.lo;
   }
