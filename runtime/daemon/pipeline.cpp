@@ -23,7 +23,7 @@ constexpr milliseconds kSourceSlice{100};
 /// After a frame that could not be read: no busy loop where every frame is bad.
 constexpr milliseconds kPauseAfterBadFrame{50};
 /// A stamp that is further ahead than this is no capture time of this machine's clock.
-constexpr double kLargestAdvance_ms = 1000;
+constexpr double kLargestAdvanceMs = 1000;
 
 double age_ms(CaptureTime captured_at) {
   return std::chrono::duration<double, std::milli>(std::chrono::system_clock::now() - captured_at).count();
@@ -121,7 +121,7 @@ struct Pipeline::Impl {
     if (frame.captured_at.time_since_epoch().count() <= 0) {
       throw InputError("source", "a frame has no capture time", "the source must stamp every frame");
     }
-    if (age_ms(frame.captured_at) < -kLargestAdvance_ms) {
+    if (age_ms(frame.captured_at) < -kLargestAdvanceMs) {
       throw InputError("source", "a frame's capture time lies in the future", "check the clocks");
     }
     const FrameResult result = detect(frame);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kLongestText = 1024;
 constexpr std::uint32_t kMostElements = 10'000;
-constexpr double kFarthest_m = 1e6;
+constexpr double kFarthestMetres = 1e6;
 constexpr double kLargestPixel = 1e6;
 constexpr double kQuaternionTolerance = 1e-3;
 constexpr std::uint32_t kNanosecondsPerSecond = 1'000'000'000;
@@ -41,7 +41,7 @@ struct Checker {
   }
   void pose(const geometry_msgs_msg_dds__Pose_& pose) const {
     for (const double d : {pose.position.x, pose.position.y, pose.position.z}) {
-      within(d, kFarthest_m, "a position is not finite or absurdly far");
+      within(d, kFarthestMetres, "a position is not finite or absurdly far");
     }
     const auto& q = pose.orientation;
     // Written so that a NaN fails.
@@ -78,7 +78,7 @@ void check_message(const Detection3DArrayMessage& message, const std::string& to
     check.text(detection.id);
     check.pose(detection.bbox.center);
     for (const double d : {detection.bbox.size.x, detection.bbox.size.y, detection.bbox.size.z}) {
-      check.require(d >= 0 && d <= kFarthest_m, "a box has an impossible size");
+      check.require(d >= 0 && d <= kFarthestMetres, "a box has an impossible size");
     }
     check.count(detection.results._length);
     for (const auto& result : elements(detection.results)) {
