@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "offline/cli/compile_options.h"
 
-#include <algorithm>
-#include <cctype>
 #include <cstdio>
 
+#include "offline/cli/object_id.h"
 #include "runtime/base/error.h"
 
 namespace sextant {
@@ -35,14 +34,6 @@ LearnParameters CompileArguments::parameters() const {
   return p;
 }
 
-int CompileArguments::object_id() const {
-  if (id) return *id;
-  const std::string stem = mesh.stem().string();
-  const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
-  const auto first = std::find_if(stem.begin(), stem.end(), digit);
-  const auto last = std::find_if_not(first, stem.end(), digit);
-  if (first == last || last - first > 9) return 1;
-  return std::stoi(std::string(first, last));
-}
+int CompileArguments::object_id() const { return id ? *id : object_id_in_name(mesh).value_or(1); }
 
 }  // namespace sextant

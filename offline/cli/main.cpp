@@ -7,7 +7,9 @@
 
 #include "offline/cli/commands.h"
 #include "offline/cli/echo.h"
+#include "offline/cli/evaluate_command.h"
 #include "offline/cli/inspect_command.h"
+#include "offline/cli/synthesize_command.h"
 #include "runtime/base/error.h"
 #include "runtime/base/version.h"
 
@@ -30,6 +32,8 @@ int main(int argc, char** argv) {
   sextant::add_inspect_command(app, exit_code);
   sextant::add_render_command(app, exit_code);
   sextant::add_detect_command(app, exit_code);
+  sextant::add_evaluate_command(app, exit_code);
+  sextant::add_synthesize_command(app, exit_code);
   sextant::add_echo_command(app, exit_code);
   try {
     app.parse(argc, argv);

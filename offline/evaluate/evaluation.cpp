@@ -244,14 +244,15 @@ class Evaluator {
 }  // namespace
 
 EvaluationReport evaluate(const std::vector<BopImage>& images, const std::vector<BopResult>& results,
-                          const std::map<int, EvaluatedObject>& objects, const EvaluationOptions& options) {
+                          const std::map<int, EvaluatedObject>& objects, const EvaluationOptions& options,
+                          const std::string& results_file) {
   std::map<ImageKey, std::vector<BopResult>> by_image;
   for (const BopImage& image : images) by_image[{image.scene_id, image.image_id}];
   for (const BopResult& result : results) {
     const auto it = by_image.find({result.scene_id, result.image_id});
     if (it == by_image.end()) {
-      throw InputError("results",
-                       fmt::format("name scene {} image {}, which is not in the data set", result.scene_id,
+      throw InputError(results_file,
+                       fmt::format("names scene {} image {}, which is not in the data set", result.scene_id,
                                    result.image_id),
                        "evaluate them against the data set they were made from");
     }

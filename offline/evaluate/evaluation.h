@@ -73,6 +73,7 @@ struct EvaluationReport {
 /// still free. Only objects of `objects` are looked at. Throws InputError where results name an image that is
 /// not there.
 EvaluationReport evaluate(const std::vector<BopImage>& images, const std::vector<BopResult>& results,
-                          const std::map<int, EvaluatedObject>& objects, const EvaluationOptions& options);
+                          const std::map<int, EvaluatedObject>& objects, const EvaluationOptions& options,
+                          const std::string& results_file = "results");
 
 }  // namespace sextant

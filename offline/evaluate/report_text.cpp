@@ -16,10 +16,16 @@ std::string number(const std::optional<double>& value) { return value ? fmt::for
 
 std::string line_of(const ObjectReport& o) {
   const std::string false_share = fmt::format("{}/{}", o.false_detections, o.false_images);
-  return fmt::format("{:<14} {:>9} {:>6} {:>8} {:>9} {:>9} {:>8.2f} {:>8.1f} {:>9} {:>6} {:>8} {:>9}\n",
-                     o.name, o.instances, o.found, percent(o.share_right()), percent(o.share_translation),
-                     percent(o.share_rotation), o.median_translation_cm, o.median_rotation_deg,
-                     percent(o.precision()), number(o.average_precision), percent(o.add_recall), false_share);
+  const auto of_found = [&](double value, int digits) {
+    return o.found > 0 ? fmt::format("{:.{}f}", value, digits) : "-";
+  };
+  const auto of_all = [&](double share) { return o.instances > 0 ? percent(share) : "-"; };
+  return fmt::format("{:<14} {:>9} {:>6} {:>8} {:>9} {:>9} {:>8} {:>8} {:>9} {:>6} {:>8} {:>9}\n", o.name,
+                     o.instances, o.found, of_all(o.share_right()), of_all(o.share_translation),
+                     of_all(o.share_rotation), of_found(o.median_translation_cm, 2),
+                     of_found(o.median_rotation_deg, 1), o.detections > 0 ? percent(o.precision()) : "-",
+                     o.instances > 0 ? number(o.average_precision) : "-",
+                     o.instances > 0 ? percent(o.add_recall) : "-", false_share);
 }
 
 Json optional_number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
