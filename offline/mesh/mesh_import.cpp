@@ -272,7 +272,10 @@ class Flattener {
 
 }  // namespace
 
-bool is_mesh_file_name(const fs::path& file) { return format_of(file) != nullptr; }
+std::string mesh_format(const fs::path& file) {
+  const Format* format = format_of(file);
+  return format == nullptr ? "" : format->extension;
+}
 
 Mesh import_mesh(const fs::path& file) {
   const Format* format = format_of(file);

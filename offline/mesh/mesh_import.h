@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "offline/mesh/mesh.h"
 
@@ -18,7 +19,7 @@ inline constexpr std::size_t kMaxTriangles = 2'000'000;
 /// Vertices without a usable normal have the zero vector. Throws InputError.
 Mesh import_mesh(const std::filesystem::path& file);
 
-/// Whether the file's name ends in an extension that import_mesh knows (any case).
-bool is_mesh_file_name(const std::filesystem::path& file);
+/// The format by the file's name: "ply", "obj", "stl", "gltf", "glb", "dae"; empty for any other extension.
+std::string mesh_format(const std::filesystem::path& file);
 
 }  // namespace sextant

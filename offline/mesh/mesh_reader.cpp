@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -15,6 +16,7 @@
 #include "offline/mesh/mesh_import.h"
 #include "offline/mesh/mesh_wire.h"
 #include "offline/mesh/normals.h"
+#include "offline/mesh/ply_header.h"
 #include "runtime/base/error.h"
 
 namespace sextant {
@@ -33,7 +35,7 @@ void check_file(const fs::path& file) {
   if (!fs::exists(status)) throw InputError(where, "is not there", "check the path");
   if (fs::is_directory(status)) throw InputError(where, "is a folder", "give a mesh file");
   if (!fs::is_regular_file(status)) throw InputError(where, "is not a regular file", "give a mesh file");
-  if (!is_mesh_file_name(file)) {
+  if (mesh_format(file).empty()) {
     throw InputError(where, "is not a mesh by its name", "give a .ply, .obj, .stl, .gltf, .glb or .dae file");
   }
   const std::uintmax_t size = fs::file_size(file, error);
@@ -44,20 +46,13 @@ void check_file(const fs::path& file) {
 
 // Triangles that a PLY or binary STL says it has, 0 where it does not say: spares reading it in vain.
 std::uint64_t declared_triangles(const fs::path& file) {
+  if (mesh_format(file) == "ply") return read_ply_header(file).faces;
   std::ifstream in(file, std::ios::binary);
-  std::string head(4096, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
-  if (head.starts_with("ply")) {
-    const std::size_t at = head.find("element face ");
-    return at == std::string::npos ? 0 : std::strtoull(head.c_str() + at + 13, nullptr, 10);
-  }
-  if (head.size() >= 84) {
-    std::uint32_t count = 0;
-    std::memcpy(&count, head.data() + 80, sizeof count);
-    if (fs::file_size(file) == 84 + std::uintmax_t{50} * count) return count;
-  }
-  return 0;
+  std::array<char, 84> head{};
+  if (mesh_format(file) != "stl" || !in.read(head.data(), head.size())) return 0;
+  std::uint32_t count = 0;
+  std::memcpy(&count, head.data() + 80, sizeof count);
+  return fs::file_size(file) == 84 + std::uintmax_t{50} * count ? count : 0;
 }
 
 std::vector<std::byte> import_as_bytes(const fs::path& file) {

@@ -19,8 +19,7 @@ using Eigen::Vector3d;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSameFaceRad = 1 * kDegree;
 constexpr double kSamePoseRad = 5 * kDegree;
-constexpr double kRattle =
-    0.005;  // of the radius: a pose that the centre leaves by rising less than this is none
+constexpr double kLevel = 0.001;  // of the radius: faces this much higher than the lowest are as low
 constexpr double kSameLatitudeRad = 10 * kDegree;
 constexpr double kRoundness = 0.03;  // of the radius: a hull this close to a surface of revolution is one
 constexpr std::uint32_t kNoFace = ~std::uint32_t{0};
@@ -312,7 +311,8 @@ Eigen::Matrix3d rotation_that_raises(const Vector3d& up) {
 
 Vector3d up_in_mesh(const RestingPose& pose) { return pose.object_from_mesh.row(2); }
 
-std::vector<RestingPose> resting_poses(const ConvexHull& hull, const Vector3d& centre_of_mass) {
+std::vector<RestingPose> resting_poses(const ConvexHull& hull, const Vector3d& centre_of_mass,
+                                       double rattle) {
   std::vector<std::uint32_t> face_of;
   std::vector<Face> faces = merge_into_faces(hull, face_of);
   for (Face& face : faces) {
@@ -337,7 +337,7 @@ std::vector<RestingPose> resting_poses(const ConvexHull& hull, const Vector3d& c
   for (const std::uint32_t i : uphill) rest[i] = faces[i].rolls_to == kNoFace ? i : rest[faces[i].rolls_to];
   double radius = 0;
   for (const Vector3d& p : hull.vertices) radius = std::max(radius, (p - centre_of_mass).norm());
-  fill_shallow_valleys(hull, faces, face_of, centre_of_mass, kRattle * radius, rest);
+  fill_shallow_valleys(hull, faces, face_of, centre_of_mass, rattle * radius, rest);
   double total = 0;
   std::vector<double> share(faces.size(), 0.0);
   for (std::uint32_t i = 0; i < faces.size(); ++i) {
@@ -350,7 +350,7 @@ std::vector<RestingPose> resting_poses(const ConvexHull& hull, const Vector3d& c
     Vector3d up;
     double probability;
   };
-  const double level = 0.2 * kRattle * radius;
+  const double level = kLevel * radius;
   std::vector<std::uint32_t> shown(rest);
   for (std::uint32_t i = 0; i < faces.size(); ++i) {
     const std::uint32_t lowest = rest[i];

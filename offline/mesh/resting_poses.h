@@ -19,12 +19,15 @@ namespace sextant {
 ///   closest to the centre of mass onto the next face, and so on.
 /// - A face's probability is the solid angle under which the centre of mass sees it, over 4 pi; an unstable
 ///   face hands its own on to where it comes to rest. The sum over all poses is 1.
-/// - A pose that the object leaves when its centre of mass rises by less than 0.5 % of the radius (one facet of
+/// - A pose that the object leaves when its centre of mass rises by less than 0.5 % of the radius (one facet
+/// of
 ///   a barrel, a book on its edge) is none: its share goes to the deeper pose beyond.
 /// - Poses less than 5 deg apart are one (the likelier stands for both); so are those that differ by a turn
 ///   about an axis of revolution of the hull (a can that lies on its side): the object's look from above may
 ///   then still differ by its print, and the likeliest face stands for all.
-std::vector<RestingPose> resting_poses(const ConvexHull& hull, const Eigen::Vector3d& centre_of_mass);
+/// `rattle` is that 0.5 %, as a share of the largest distance from the centre of mass.
+std::vector<RestingPose> resting_poses(const ConvexHull& hull, const Eigen::Vector3d& centre_of_mass,
+                                       double rattle = 0.005);
 
 /// The unit vector of the mesh's frame that points up in a pose.
 Eigen::Vector3d up_in_mesh(const RestingPose& pose);

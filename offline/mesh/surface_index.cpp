@@ -37,33 +37,32 @@ Eigen::Vector3d closest_barycentric(const Eigen::Vector3d& p, const Eigen::Vecto
                                     const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const Eigen::Vector3d ab = b - a;
   const Eigen::Vector3d ac = c - a;
-  const double d1 = ab.dot(p - a);
-  const double d2 = ac.dot(p - a);
-  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-  const double d3 = ab.dot(p - b);
-  const double d4 = ac.dot(p - b);
-  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-    const double v = d1 / (d1 - d3);
-    return {1 - v, v, 0};
+  const Eigen::Vector3d normal = ab.cross(ac);
+  const double doubled_area_squared = normal.squaredNorm();
+  constexpr double kSliver = 1e-20;  // of the squares of the sides: below, the plane is not known
+  if (doubled_area_squared > kSliver * ab.squaredNorm() * ac.squaredNorm()) {
+    const double v = (p - a).cross(ac).dot(normal) / doubled_area_squared;
+    const double w = ab.cross(p - a).dot(normal) / doubled_area_squared;
+    if (v >= 0 && w >= 0 && v + w <= 1) return {1 - v - w, v, w};
   }
-  const double d5 = ab.dot(p - c);
-  const double d6 = ac.dot(p - c);
-  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-    const double w = d2 / (d2 - d6);
-    return {1 - w, 0, w};
+  // Outside of the triangle (or it is a line): the closest point lies on a side.
+  const std::array<Eigen::Vector3d, 3> corner{a, b, c};
+  Eigen::Vector3d best(1, 0, 0);
+  double best_squared = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3;
+    const Eigen::Vector3d& from = corner.at(static_cast<std::size_t>(k));
+    const Eigen::Vector3d along = corner.at(static_cast<std::size_t>(next)) - from;
+    const double length_squared = along.squaredNorm();
+    const double t = length_squared > 0 ? std::clamp(along.dot(p - from) / length_squared, 0.0, 1.0) : 0.0;
+    const double squared = (from + t * along - p).squaredNorm();
+    if (squared >= best_squared) continue;
+    best_squared = squared;
+    best.setZero();
+    best[k] = 1 - t;
+    best[next] = t;
   }
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0, 1 - w, w};
-  }
-  const double sum = va + vb + vc;
-  if (!(sum > 0)) return {1, 0, 0};
-  return {va / sum, vb / sum, vc / sum};
+  return best;
 }
 
 SurfaceIndex::SurfaceIndex(std::vector<Eigen::Vector3f> vertices,

@@ -55,7 +55,7 @@ class SurfaceIndex {
   std::vector<Node> nodes_;
 };
 
-/// The closest point of one triangle as barycentric weights (Ericson, Real-Time Collision Detection, 5.1.5).
+/// The closest point of one triangle as barycentric weights; a triangle may be a line or a point.
 Eigen::Vector3d closest_barycentric(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
                                     const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
