@@ -188,6 +188,7 @@ class Evaluator {
                    const std::vector<const BopGt*>& truths, const std::vector<const BopResult*>& detections,
                    Tally& tally) const {
     std::vector<std::optional<cv::Rect2d>> boxes;
+    boxes.reserve(truths.size());
     for (const BopGt* gt : truths) boxes.push_back(box_of(object, image.camera, gt->camera_from_mesh));
     std::vector<bool> used(truths.size(), false);
     for (const BopResult* detection : detections) {

@@ -21,10 +21,10 @@ const cv::Scalar kPaper(250, 250, 250);
 
 /// Colours that stand out of wood, skin and walls. RGB.
 cv::Scalar palette_colour(std::size_t index) {
-  static const std::array<cv::Scalar, 7> palette{
+  static const std::array<cv::Scalar, 7> kPalette{
       cv::Scalar(0, 200, 255),   cv::Scalar(255, 176, 0),  cv::Scalar(255, 70, 160), cv::Scalar(120, 230, 60),
       cv::Scalar(178, 120, 255), cv::Scalar(255, 236, 80), cv::Scalar(0, 235, 180)};
-  return palette[index % palette.size()];
+  return kPalette[index % kPalette.size()];
 }
 
 struct Canvas {

@@ -37,16 +37,16 @@ Eigen::Vector2d segment_normal(const Eigen::Vector2d& from, const Eigen::Vector2
 
 /// Normals at the two ends of segment i: shared with the neighbour where the corner is blunt.
 std::array<Eigen::Vector2d, 2> end_normals(const std::vector<Eigen::Vector2d>& profile, std::size_t i) {
-  const double kBlunt = std::cos(40 * std::numbers::pi / 180);
+  const double blunt = std::cos(40 * std::numbers::pi / 180);
   const Eigen::Vector2d own = segment_normal(profile[i], profile[i + 1]);
   std::array<Eigen::Vector2d, 2> ends{own, own};
   if (i > 0) {
     const Eigen::Vector2d before = segment_normal(profile[i - 1], profile[i]);
-    if (before.dot(own) > kBlunt) ends[0] = (before + own).normalized();
+    if (before.dot(own) > blunt) ends[0] = (before + own).normalized();
   }
   if (i + 2 < profile.size()) {
     const Eigen::Vector2d after = segment_normal(profile[i + 1], profile[i + 2]);
-    if (after.dot(own) > kBlunt) ends[1] = (after + own).normalized();
+    if (after.dot(own) > blunt) ends[1] = (after + own).normalized();
   }
   return ends;
 }

@@ -95,6 +95,7 @@ class Synthesizer {
     const std::uint64_t seed = derived_seed(options_.seed, static_cast<std::uint64_t>(image));
     Random random(derived_seed(seed, kComposition));
     std::vector<std::size_t> chosen;
+    chosen.reserve(targets_.size());
     for (int i = 0; i < options_.targets_per_image; ++i) {
       chosen.push_back(static_cast<std::size_t>(image + i) % targets_.size());
     }
@@ -111,10 +112,12 @@ class Synthesizer {
                                          Random& random) {
     const PinholeCamera& camera = options_.scene.camera;
     std::vector<Footprint> footprints;
+    footprints.reserve(chosen.size());
     for (const std::size_t i : chosen) footprints.push_back(footprints_[i]);
     const TableScene scene = compose_scene(options_.scene, footprints, random);
     const UploadedSurroundings surroundings(renderer_, scene);
     std::vector<RenderItem> items;
+    items.reserve(chosen.size());
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       items.push_back({meshes_[chosen[i]], scene.camera_from_world * scene.world_from_target[i]});
     }
