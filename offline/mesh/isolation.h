@@ -12,8 +12,8 @@ namespace sextant {
 
 /// What the child may use before it is stopped.
 struct IsolationLimits {
-  double cpu_s = 60;                                ///< processor time
-  double wall_s = 240;                              ///< elapsed time, for a child that sleeps
+  double cpu_s = 120;                               ///< processor time
+  double wall_s = 300;                              ///< elapsed time, for a child that sleeps
   std::size_t memory_bytes = std::size_t{4} << 30;  ///< address space beyond what the caller has now
   std::size_t answer_bytes = std::size_t{1} << 30;  ///< longest answer that is accepted
 };

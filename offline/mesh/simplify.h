@@ -14,7 +14,7 @@ namespace sextant {
 /// surface over or pinch it is left out; if too many are, the rest is done by vertex clustering on the
 /// finest grid that suffices. Corners with exactly equal coordinates are one vertex; colours are dropped;
 /// degenerate triangles go. Never returns more than max_triangles (at least 4). Deterministic.
-/// O(n log n): about 10 s for 2,000,000 triangles.
+/// O(n log n): about half a minute for 2,000,000 triangles.
 ModelMesh simplified(const Mesh& mesh, std::size_t max_triangles);
 
 /// The largest distance between two surfaces, both ways, at `samples` points spread over each and at all
