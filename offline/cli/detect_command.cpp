@@ -2,6 +2,7 @@
 // sextant detect: poses for a BOP data set or a single frame.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 
@@ -31,6 +32,11 @@ void print_text(const FrameResult& r) {
   for (const ObjectOutcome& o : r.objects) {
     if (o.status == SearchStatus::kAbsent) {
       fmt::print("  {:<16} absent: no pose reaches {:.1f}\n", o.object_name, o.threshold);
+    }
+    const bool found = std::any_of(r.estimates.begin(), r.estimates.end(),
+                                   [&](const PoseEstimate& e) { return e.object_id == o.object_id; });
+    if (o.status == SearchStatus::kBounded && !found) {
+      fmt::print("  {:<16} bounded: the deadline came first; no pose scores above {:.1f}\n", o.object_name, o.upper_bound);
     }
     if (o.coverage < 0.999) {
       fmt::print("  {:<16} the model's bins cover {:.0f} % of what this camera can see: compile with a wider --pitch-deg\n",

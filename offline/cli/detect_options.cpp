@@ -63,7 +63,7 @@ void DetectArguments::add_to(CLI::App& command) {
       ->check(CLI::Range(0.0, 45.0))
       ->capture_default_str();
   command.add_option("--scoring", detect.scoring, "likelihood | thesis")->capture_default_str();
-  command.add_option("--bound", detect.bound, "window | thesis (reference; may take hours)")->capture_default_str();
+  command.add_option("--bound", detect.bound, "window | thesis (reference, one detection; give it a --deadline-ms)")->capture_default_str();
   command.add_option("--search-width", detect.search_width, "width of the image that is searched, 0: as it is")
       ->capture_default_str();
   command.add_option("--min-distance-m", detect.min_distance_m, "nearest object centre")->capture_default_str();

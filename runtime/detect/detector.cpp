@@ -12,6 +12,7 @@
 #include "runtime/frame/table_estimate.h"
 #include "runtime/geometry/pose_mapping.h"
 #include "runtime/search/branch_and_bound.h"
+#include "runtime/search/reference/thesis_search.h"
 
 namespace sextant {
 namespace {
@@ -37,7 +38,9 @@ void check(const DetectOptions& o) {
   if (o.search_width != 0 && (o.search_width < 64 || o.search_width > 4096)) {
     throw UsageError("the search width must be 64..4096 pixels (0: the frame's)");
   }
-  if (o.bound != "window") throw UsageError("no bound is called \"" + o.bound + "\"", "use window");
+  if (o.bound != "window" && o.bound != "thesis") {
+    throw UsageError("no bound is called \"" + o.bound + "\"", "use window or thesis");
+  }
 }
 
 /// Pixel box of the object's outline in the source image: x, y, width, height.
@@ -156,8 +159,9 @@ struct Detector::Impl {
                                           std::chrono::duration<double, std::milli>(share_ms));
       search_options.expired = [end] { return Clock::now() >= end; };
     }
-    const SearchOutcome outcome =
-        branch_and_bound({object.bins, tables, constraint, model.bounding_radius_m}, search_options, pool);
+    const SearchProblem problem{object.bins, tables, constraint, model.bounding_radius_m};
+    const SearchOutcome outcome = options.bound == "thesis" ? thesis_search(problem, search_options)
+                                                            : branch_and_bound(problem, search_options, pool);
     result.nodes += outcome.nodes;
 
     ObjectOutcome summary;
