@@ -23,7 +23,8 @@ struct Arguments {
   bool json = false;
 };
 
-void print_summary(const Arguments& a, const ObjectModel& model, const StandingObject& object, double seconds) {
+void print_summary(const Arguments& a, const ObjectModel& model, const StandingObject& object,
+                   double seconds) {
   const auto bytes = std::filesystem::file_size(a.compile.output);
   const double per_bin = seconds / static_cast<double>(model.bins.size());
   if (a.json) {
@@ -39,9 +40,12 @@ void print_summary(const Arguments& a, const ObjectModel& model, const StandingO
     return;
   }
   if (!object.resting_poses.empty()) fmt::print("{}", describe_resting_poses(object.resting_poses));
-  fmt::print("{}: object {} \"{}\", radius {:.1f} mm, symmetry {} deg (shape {}), {} bins, {:.2f} MB, {:.1f} s ({:.2f} s per bin)\n",
-             a.compile.output.string(), model.object_id, model.name, model.bounding_radius_m * 1e3, model.symmetry_deg,
-             model.geometric_symmetry_deg, model.bins.size(), static_cast<double>(bytes) / 1e6, seconds, per_bin);
+  fmt::print(
+      "{}: object {} \"{}\", radius {:.1f} mm, symmetry {} deg (shape {}), {} bins, {:.2f} MB, {:.1f} s "
+      "({:.2f} s per bin)\n",
+      a.compile.output.string(), model.object_id, model.name, model.bounding_radius_m * 1e3,
+      model.symmetry_deg, model.geometric_symmetry_deg, model.bins.size(), static_cast<double>(bytes) / 1e6,
+      seconds, per_bin);
 }
 
 void run(const Arguments& a) {
@@ -58,7 +62,8 @@ void run(const Arguments& a) {
                            a.compile.mesh.filename().string(), a.compile.object_id());
   }
   write_model(model, a.compile.output);
-  print_summary(a, model, object, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  print_summary(a, model, object,
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
 }
 
 }  // namespace

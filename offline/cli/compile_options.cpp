@@ -12,9 +12,11 @@ void CompileArguments::add_to(CLI::App& command) {
   command.add_option("mesh", mesh, "PLY, OBJ, STL, glTF/GLB or DAE file")->required();
   command.add_option("-o,--output", output, "model file to write")->required();
   mesh_arguments.add_to(command);
-  command.add_option("--pitch-deg", pitch_deg, "MIN:MAX: how far the cameras that will be used look down (default 25:55)");
+  command.add_option("--pitch-deg", pitch_deg,
+                     "MIN:MAX: how far the cameras that will be used look down (default 25:55)");
   command.add_option("--params", parameter_file, "YAML file of learning parameters");
-  command.add_option("--object-id", id, "BOP object id (default: the number in the mesh's file name, else 1)")
+  command
+      .add_option("--object-id", id, "BOP object id (default: the number in the mesh's file name, else 1)")
       ->check(CLI::Range(0, 999999));
   command.add_option("--threads", threads, "0: all cores")->check(CLI::Range(0, 256))->capture_default_str();
   command.add_option("--seed", seed, "of the random training views");

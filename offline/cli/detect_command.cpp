@@ -22,12 +22,13 @@ namespace sextant {
 namespace {
 
 void print_text(const FrameResult& r) {
-  fmt::print("scene {} image {}: features {:.1f} ms, tables {:.1f} ms, search {:.1f} ms, {} nodes\n", r.scene_id,
-             r.image_id, r.seconds.features * 1e3, r.seconds.tables * 1e3, r.seconds.search * 1e3, r.nodes);
+  fmt::print("scene {} image {}: features {:.1f} ms, tables {:.1f} ms, search {:.1f} ms, {} nodes\n",
+             r.scene_id, r.image_id, r.seconds.features * 1e3, r.seconds.tables * 1e3, r.seconds.search * 1e3,
+             r.nodes);
   for (const PoseEstimate& e : r.estimates) {
     const Eigen::Vector3d t = e.camera_from_object.translation();
-    fmt::print("  {:<16} score {:.2f}  log {:8.1f}  gap {:.1f}  {}  at ({:+.3f}, {:+.3f}, {:.3f}) m\n", e.object_name,
-               e.score, e.log_score, e.gap, to_string(e.status), t.x(), t.y(), t.z());
+    fmt::print("  {:<16} score {:.2f}  log {:8.1f}  gap {:.1f}  {}  at ({:+.3f}, {:+.3f}, {:.3f}) m\n",
+               e.object_name, e.score, e.log_score, e.gap, to_string(e.status), t.x(), t.y(), t.z());
   }
   for (const ObjectOutcome& o : r.objects) {
     if (o.status == SearchStatus::kAbsent) {
@@ -36,11 +37,14 @@ void print_text(const FrameResult& r) {
     const bool found = std::any_of(r.estimates.begin(), r.estimates.end(),
                                    [&](const PoseEstimate& e) { return e.object_id == o.object_id; });
     if (o.status == SearchStatus::kBounded && !found) {
-      fmt::print("  {:<16} bounded: the deadline came first; no pose scores above {:.1f}\n", o.object_name, o.upper_bound);
+      fmt::print("  {:<16} bounded: the deadline came first; no pose scores above {:.1f}\n", o.object_name,
+                 o.upper_bound);
     }
     if (o.coverage < 0.999) {
-      fmt::print("  {:<16} the model's bins cover {:.0f} % of what this camera can see: compile with a wider --pitch-deg\n",
-                 o.object_name, o.coverage * 100);
+      fmt::print(
+          "  {:<16} the model's bins cover {:.0f} % of what this camera can see: compile with a wider "
+          "--pitch-deg\n",
+          o.object_name, o.coverage * 100);
     }
   }
 }
@@ -72,7 +76,8 @@ void for_each_frame(const DetectArguments& a, const std::function<void(const Rgb
     visit(frame);
     bar.show(done, set.images.size());
   }
-  if (!any) throw InputError(a.dataset.string(), fmt::format("no image {}", a.image), "see --scene and --image");
+  if (!any)
+    throw InputError(a.dataset.string(), fmt::format("no image {}", a.image), "see --scene and --image");
 }
 
 ExitCode run(const DetectArguments& a) {
@@ -102,8 +107,9 @@ ExitCode run(const DetectArguments& a) {
 CLI::App* add_detect_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<DetectArguments>();
   CLI::App* command = app.add_subcommand("detect", "poses for a BOP data set or a single frame");
-  command->footer("Examples:\n  sextant detect mug.sxm --dataset data/sample --overlay out\n"
-                  "  sextant detect mug.sxm --color c.png --depth d.png --camera cam.yaml --table estimate");
+  command->footer(
+      "Examples:\n  sextant detect mug.sxm --dataset data/sample --overlay out\n"
+      "  sextant detect mug.sxm --color c.png --depth d.png --camera cam.yaml --table estimate");
   arguments->add_to(*command);
   command->callback([arguments, &exit_code] { exit_code = static_cast<int>(run(*arguments)); });
   return command;

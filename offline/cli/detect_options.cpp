@@ -28,7 +28,8 @@ TableGeometry fixed_table(const std::string& text) {
     }
   }
   if (!(pitch > -90 && pitch <= 90 && height > 0 && height < 50 && roll >= -180 && roll <= 180)) {
-    throw UsageError("--table " + text + " is out of range", "pitch -90..90 deg, height 0..50 m, roll -180..180 deg");
+    throw UsageError("--table " + text + " is out of range",
+                     "pitch -90..90 deg, height 0..50 m, roll -180..180 deg");
   }
   return TableGeometry::from_pitch_roll(pitch * kDegree, roll * kDegree, height);
 }
@@ -41,7 +42,8 @@ void DetectArguments::add_to(CLI::App& command) {
   command.add_option("--split", split, "of the data set")->capture_default_str();
   command.add_option("--scene", scene, "only this scene")->check(CLI::NonNegativeNumber);
   command.add_option("--image", image, "only this image number")->check(CLI::NonNegativeNumber);
-  auto* colour_option = command.add_option("--color,--colour", colour, "single frame: colour image (PNG, JPEG)");
+  auto* colour_option =
+      command.add_option("--color,--colour", colour, "single frame: colour image (PNG, JPEG)");
   auto* depth_option = command.add_option("--depth", depth, "single frame: 16-bit depth PNG");
   auto* camera_option = command.add_option("--camera", camera, "single frame: calibration YAML");
   colour_option->excludes(set)->needs(depth_option)->needs(camera_option);
@@ -50,12 +52,16 @@ void DetectArguments::add_to(CLI::App& command) {
   command.add_option("--max-detections", detect.max_detections, "per object and image")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  command.add_option("--threshold", threshold, "log score that a detection must reach (default: 35 % of the evidence)");
+  command.add_option("--threshold", threshold,
+                     "log score that a detection must reach (default: 35 % of the evidence)");
   command.add_option("--deadline-ms", detect.deadline_ms, "time for the search of one image, 0: none")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command.add_option("--threads", detect.threads, "0: all cores")->check(CLI::Range(0, 256))->capture_default_str();
-  command.add_option("--table", table, "none | file | estimate | PITCH_DEG,HEIGHT_M[,ROLL_DEG]")->capture_default_str();
+  command.add_option("--threads", detect.threads, "0: all cores")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  command.add_option("--table", table, "none | file | estimate | PITCH_DEG,HEIGHT_M[,ROLL_DEG]")
+      ->capture_default_str();
   command.add_option("--height-tolerance-m", detect.tolerance.height_m, "of the table constraint")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
@@ -63,11 +69,17 @@ void DetectArguments::add_to(CLI::App& command) {
       ->check(CLI::Range(0.0, 45.0))
       ->capture_default_str();
   command.add_option("--scoring", detect.scoring, "likelihood | thesis")->capture_default_str();
-  command.add_option("--bound", detect.bound, "window | thesis (reference, one detection; give it a --deadline-ms)")->capture_default_str();
-  command.add_option("--search-width", detect.search_width, "width of the image that is searched, 0: as it is")
+  command
+      .add_option("--bound", detect.bound,
+                  "window | thesis (reference, one detection; give it a --deadline-ms)")
       ->capture_default_str();
-  command.add_option("--min-distance-m", detect.min_distance_m, "nearest object centre")->capture_default_str();
-  command.add_option("--max-distance-m", detect.max_distance_m, "farthest object centre")->capture_default_str();
+  command
+      .add_option("--search-width", detect.search_width, "width of the image that is searched, 0: as it is")
+      ->capture_default_str();
+  command.add_option("--min-distance-m", detect.min_distance_m, "nearest object centre")
+      ->capture_default_str();
+  command.add_option("--max-distance-m", detect.max_distance_m, "farthest object centre")
+      ->capture_default_str();
   command.add_flag("--json", json, "one JSON object per image");
   command.add_flag("--require", require, "exit 1 where an image has no detection");
 }

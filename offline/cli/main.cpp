@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// sextant: the offline toolchain. Exit codes: 0 done, 1 nothing found where required, 2 wrong use, 3 bad input,
-// 4 a device or the network failed, 70 our bug.
+// sextant: the offline toolchain. Exit codes: 0 done, 1 nothing found where required, 2 wrong use, 3 bad
+// input, 4 a device or the network failed, 70 our bug.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -45,7 +45,8 @@ int main(int argc, char** argv) {
   } catch (const sextant::DoorError& e) {
     return report(static_cast<int>(e.exit_code()), e.what());
   } catch (const std::exception& e) {
-    return report(static_cast<int>(ExitCode::kOurBug), (std::string("this is our bug, please report it: ") + e.what()).c_str());
+    return report(static_cast<int>(ExitCode::kOurBug),
+                  (std::string("this is our bug, please report it: ") + e.what()).c_str());
   }
   return exit_code;
 }

@@ -21,12 +21,18 @@ int whole_number(const std::string& text, const std::string& option) {
 }  // namespace
 
 void MeshArguments::add_to(CLI::App& command) {
-  command.add_option("--units", units, "length unit of the mesh")->check(CLI::IsMember({"m", "cm", "mm", "in"}))->capture_default_str();
+  command.add_option("--units", units, "length unit of the mesh")
+      ->check(CLI::IsMember({"m", "cm", "mm", "in"}))
+      ->capture_default_str();
   command.add_option("--up", up, "axis of the mesh that points up when the object stands; overrides --rest")
       ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}));
-  command.add_option("--rest", rest, "stable resting pose: auto lists them and takes the most likely, N takes the Nth (from 0)")
+  command
+      .add_option("--rest", rest,
+                  "stable resting pose: auto lists them and takes the most likely, N takes the Nth (from 0)")
       ->capture_default_str();
-  command.add_option("--symmetry-deg", symmetry, "rotation about the vertical after which the object looks the same")
+  command
+      .add_option("--symmetry-deg", symmetry,
+                  "rotation about the vertical after which the object looks the same")
       ->check(CLI::IsMember({"auto", "0", "90", "180", "360"}))
       ->capture_default_str();
 }

@@ -19,7 +19,8 @@ void ProgressBar::show(std::size_t done, std::size_t total) {
   if (!terminal_ || total == 0) return;
   constexpr std::size_t kWidth = 30;
   const std::size_t filled = std::min(kWidth, kWidth * done / total);
-  fmt::print(stderr, "\r{} [{}{}] {}/{}", what_, std::string(filled, '#'), std::string(kWidth - filled, ' '), done, total);
+  fmt::print(stderr, "\r{} [{}{}] {}/{}", what_, std::string(filled, '#'), std::string(kWidth - filled, ' '),
+             done, total);
   std::fflush(stderr);
   shown_ = true;
 }

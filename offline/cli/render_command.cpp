@@ -35,9 +35,11 @@ struct Arguments {
 Pose6 parse_pose(const std::string& text) {
   Pose6 p;
   int used = 0;
-  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf%n", &p.x, &p.y, &p.z, &p.rx, &p.ry, &p.rz, &used) != 6 ||
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf%n", &p.x, &p.y, &p.z, &p.rx, &p.ry, &p.rz, &used) !=
+          6 ||
       static_cast<std::size_t>(used) != text.size()) {
-    throw UsageError("--pose " + text + " is not X,Y,Z,RX,RY,RZ (pixels, metres, degrees)", "for example 320,240,0.8,0,-40,30");
+    throw UsageError("--pose " + text + " is not X,Y,Z,RX,RY,RZ (pixels, metres, degrees)",
+                     "for example 320,240,0.8,0,-40,30");
   }
   if (!(p.z > 0.01 && p.z < 100)) throw UsageError("--pose: the distance must be 0.01..100 m");
   p.rx *= kDegree;
@@ -54,9 +56,9 @@ void run(const Arguments& a) {
   Light light;
   light.ambient = a.ambient;
   light.position_in_camera = {-0.7, -1.2, -0.3};
-  const RenderedView view = renderer.render(camera, {0, 0, a.width, a.height},
-                                            {{renderer.upload(object.mesh), transform_from_pose(camera, pose)}}, light,
-                                            {70, 74, 80});
+  const RenderedView view = renderer.render(
+      camera, {0, 0, a.width, a.height}, {{renderer.upload(object.mesh), transform_from_pose(camera, pose)}},
+      light, {70, 74, 80});
   write_png(a.output, view.colour);
   if (!a.depth_output.empty()) {
     cv::Mat axial_mm10(a.height, a.width, CV_16UC1);
@@ -80,13 +82,16 @@ CLI::App* add_render_command(CLI::App& app, int& exit_code) {
   command->footer("Example:\n  sextant render mug.stl --units mm --pose 320,240,0.5,0,-40,30 -o mug.png");
   command->add_option("mesh", a.mesh, "PLY, OBJ, STL, glTF/GLB or DAE file")->required();
   a.mesh_arguments.add_to(*command);
-  command->add_option("--pose", a.pose, "X,Y,Z,RX,RY,RZ: pixels, metres of ray distance, degrees")->required();
+  command->add_option("--pose", a.pose, "X,Y,Z,RX,RY,RZ: pixels, metres of ray distance, degrees")
+      ->required();
   command->add_option("-o,--output", a.output, "colour PNG to write")->required();
   command->add_option("--depth", a.depth_output, "16-bit depth PNG to write, 0.1 mm along the optical axis");
   command->add_option("--width", a.width, "pixels")->check(CLI::Range(16, 8192))->capture_default_str();
   command->add_option("--height", a.height, "pixels")->check(CLI::Range(16, 8192))->capture_default_str();
   command->add_option("--focal", a.focal, "pixels")->check(CLI::Range(10.0, 20000.0))->capture_default_str();
-  command->add_option("--ambient", a.ambient, "share of ambient light")->check(CLI::Range(0.0, 1.0))->capture_default_str();
+  command->add_option("--ambient", a.ambient, "share of ambient light")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   command->callback([arguments, &exit_code] {
     run(*arguments);
     exit_code = static_cast<int>(ExitCode::kDone);

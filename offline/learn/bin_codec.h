@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A learnt bin as bytes, for the way between processes of one job (worker processes, MPI ranks). Exact: floats
-// travel as they are.
+// A learnt bin as bytes, for the way between processes of one job (worker processes, MPI ranks). Exact:
+// floats travel as they are.
 #pragma once
 
 #include <cstddef>

@@ -42,10 +42,12 @@ std::vector<RotationBox> lay_out_bins(const LearnParameters& p, int symmetry_deg
   if (symmetry_deg != 0 && symmetry_deg != 90 && symmetry_deg != 180 && symmetry_deg != 360) {
     throw UsageError("the symmetry angle must be 0, 90, 180 or 360 degrees");
   }
-  constexpr int kPixels = 48;   // samples per image side
-  constexpr double kStep = 1;   // degrees of pitch and roll
+  constexpr int kPixels = 48;  // samples per image side
+  constexpr double kStep = 1;  // degrees of pitch and roll
   std::set<Cell> cells;
-  const auto steps = [](double lo, double hi) { return std::max(1, static_cast<int>(std::ceil((hi - lo) / kStep))); };
+  const auto steps = [](double lo, double hi) {
+    return std::max(1, static_cast<int>(std::ceil((hi - lo) / kStep)));
+  };
   const int pitches = steps(p.min_pitch_deg, p.max_pitch_deg);
   const int rolls = steps(-p.max_roll_deg, p.max_roll_deg);
   for (int i = 0; i <= pitches; ++i) {
@@ -55,8 +57,9 @@ std::vector<RotationBox> lay_out_bins(const LearnParameters& p, int symmetry_deg
       const auto table = TableGeometry::from_pitch_roll(pitch * kDegree, roll * kDegree, 1);
       for (int u = 0; u <= kPixels; ++u) {
         for (int v = 0; v <= kPixels; ++v) {
-          const UprightPose upright = upright_pose_at(p.camera, table.up_in_camera, u * (p.camera.width - 1.0) / kPixels,
-                                                      v * (p.camera.height - 1.0) / kPixels);
+          const UprightPose upright =
+              upright_pose_at(p.camera, table.up_in_camera, u * (p.camera.width - 1.0) / kPixels,
+                              v * (p.camera.height - 1.0) / kPixels);
           if (upright.sine_of_elevation > 0) add_cells(p, upright, cells);
         }
       }

@@ -10,8 +10,8 @@
 
 namespace sextant {
 
-/// Bins sorted by (rx, ry, rz). rx is cut at -r_w/2 + k r_w (one bin is centred on 0), ry at -90 + k r_w, rz from 0
-/// to the symmetry angle in equal steps of at most r_w (symmetry 0: the single bin [0, 1)).
+/// Bins sorted by (rx, ry, rz). rx is cut at -r_w/2 + k r_w (one bin is centred on 0), ry at -90 + k r_w, rz
+/// from 0 to the symmetry angle in equal steps of at most r_w (symmetry 0: the single bin [0, 1)).
 std::vector<RotationBox> lay_out_bins(const LearnParameters& parameters, int symmetry_deg);
 
 }  // namespace sextant

@@ -67,9 +67,8 @@ std::vector<ViewpointBin> learn_bins(const StandingObject& object, const LearnPa
   run_worker_processes(
       static_cast<int>(workers),
       [&](int worker, const Deliver& deliver) {
-        learn_share(static_cast<std::size_t>(worker), workers, [&](std::size_t bin, const ViewpointBin& learnt) {
-          deliver(bin, encode_bin(learnt));
-        });
+        learn_share(static_cast<std::size_t>(worker), workers,
+                    [&](std::size_t bin, const ViewpointBin& learnt) { deliver(bin, encode_bin(learnt)); });
       },
       [&](std::size_t bin, std::span<const std::byte> bytes) { keep(bin, decode_bin(bytes)); });
   return bins;

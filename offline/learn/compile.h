@@ -17,8 +17,9 @@ namespace sextant {
 /// Called after each learnt bin with the number done and the total.
 using Progress = std::function<void(std::size_t done, std::size_t total)>;
 
-/// Learns bins first, first + stride, first + 2 stride, ... of `boxes` in `threads` worker processes (0: one per
-/// core; 1: in this process); the others stay empty. Ranks of an MPI job call it with their rank and their number.
+/// Learns bins first, first + stride, first + 2 stride, ... of `boxes` in `threads` worker processes (0: one
+/// per core; 1: in this process); the others stay empty. Ranks of an MPI job call it with their rank and
+/// their number.
 std::vector<ViewpointBin> learn_bins(const StandingObject& object, const LearnParameters& parameters,
                                      const std::vector<RotationBox>& boxes, int threads, std::size_t first,
                                      std::size_t stride, const Progress& progress);

@@ -55,13 +55,14 @@ Eigen::Vector3d rotation_of(const TrainingView& view) { return {view.pose.rx, vi
 struct Enumeration {
   LeastSquares sums;
   std::vector<bool> complete;
-  Enumeration(std::size_t labels, std::array<bool, 4> active) : sums(labels, active), complete(labels, true) {}
+  Enumeration(std::size_t labels, std::array<bool, 4> active)
+      : sums(labels, active), complete(labels, true) {}
 };
 
-/// Position of the nearest feature of one kind for every grid position (u and v interleaved). Views without any
-/// feature of the kind are left out; a kind that too many views lack is not complete.
-Enumeration enumerate_visual(const std::vector<TrainingView>& views, const Positions& grid, int kind, double focal,
-                             std::array<bool, 4> active) {
+/// Position of the nearest feature of one kind for every grid position (u and v interleaved). Views without
+/// any feature of the kind are left out; a kind that too many views lack is not complete.
+Enumeration enumerate_visual(const std::vector<TrainingView>& views, const Positions& grid, int kind,
+                             double focal, std::array<bool, 4> active) {
   Enumeration e(2 * grid.size(), active);
   std::vector<float> labels(2 * grid.size());
   for (const TrainingView& view : views) {
@@ -77,7 +78,8 @@ Enumeration enumerate_visual(const std::vector<TrainingView>& views, const Posit
     }
     e.sums.add(rotation_of(view), labels);
   }
-  if (e.sums.examples() < kLeastSeen * static_cast<double>(views.size())) e.complete.assign(e.complete.size(), false);
+  if (e.sums.examples() < kLeastSeen * static_cast<double>(views.size()))
+    e.complete.assign(e.complete.size(), false);
   return e;
 }
 
@@ -99,17 +101,20 @@ Enumeration enumerate_depth(const std::vector<TrainingView>& views, const Positi
 }
 
 Eigen::Vector4d centre_of(const RotationBox& box) {
-  const auto middle = [&](std::size_t a) { return 0.5 * (box.lo_deg[a] + box.hi_deg[a] - 1) * kLatticeAngle; };
+  const auto middle = [&](std::size_t a) {
+    return 0.5 * (box.lo_deg[a] + box.hi_deg[a] - 1) * kLatticeAngle;
+  };
   return {1, middle(0), middle(1), middle(2)};
 }
 
 std::array<float, 4> to_floats(const Eigen::Vector4d& v) {
-  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]), static_cast<float>(v[3])};
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]),
+          static_cast<float>(v[3])};
 }
 
 std::vector<VisualPart> learn_visual(const std::vector<TrainingView>& views, const LearnParameters& p,
-                                     const Positions& grid, const RotationBox& box, std::array<bool, 4> active,
-                                     double spacing_unit) {
+                                     const Positions& grid, const RotationBox& box,
+                                     std::array<bool, 4> active, double spacing_unit) {
   std::vector<PartCandidate> candidates;
   std::vector<VisualPart> parts;
   const Eigen::Vector4d centre = centre_of(box);
@@ -133,7 +138,8 @@ std::vector<VisualPart> learn_visual(const std::vector<TrainingView>& views, con
   }
   const double limit = p.visual_max_variance_px2 / (kReferenceFocal * kReferenceFocal);
   std::vector<VisualPart> chosen;
-  for (const PartCandidate& c : select_parts(std::move(candidates), static_cast<std::size_t>(p.visual_parts), limit)) {
+  for (const PartCandidate& c :
+       select_parts(std::move(candidates), static_cast<std::size_t>(p.visual_parts), limit)) {
     chosen.push_back(parts[c.index]);
   }
   return chosen;
@@ -149,8 +155,8 @@ std::vector<DepthPart> learn_depth(const std::vector<TrainingView>& views, const
     candidates.push_back({e.sums.fit(i).squared_error / e.sums.freedom(), grid[i] / spacing_unit, 0, i});
   }
   std::vector<DepthPart> chosen;
-  for (const PartCandidate& c :
-       select_parts(std::move(candidates), static_cast<std::size_t>(p.depth_parts), p.depth_max_variance_m2)) {
+  for (const PartCandidate& c : select_parts(std::move(candidates), static_cast<std::size_t>(p.depth_parts),
+                                             p.depth_max_variance_m2)) {
     DepthPart part;
     part.px = static_cast<float>(grid[c.index].x());
     part.py = static_cast<float>(grid[c.index].y());

@@ -10,8 +10,8 @@
 
 namespace sextant {
 
-/// Learns visual and depth parts of one bin from `views`. bounding_radius_m: of the object. Bins one degree wide
-/// in an angle get no coefficient for it. Positions in the result are in tangent * metre.
+/// Learns visual and depth parts of one bin from `views`. bounding_radius_m: of the object. Bins one degree
+/// wide in an angle get no coefficient for it. Positions in the result are in tangent * metre.
 ViewpointBin learn_bin(const std::vector<TrainingView>& views, const LearnParameters& parameters,
                        const RotationBox& box, double bounding_radius_m);
 

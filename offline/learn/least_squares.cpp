@@ -8,7 +8,8 @@
 
 namespace sextant {
 
-LeastSquares::LeastSquares(std::size_t labels, std::array<bool, 4> active) : active_(active), btb_(labels, 0.0) {
+LeastSquares::LeastSquares(std::size_t labels, std::array<bool, 4> active)
+    : active_(active), btb_(labels, 0.0) {
   active_[0] = true;
   for (auto& row : atb_) row.assign(labels, 0.0);
 }
@@ -50,8 +51,8 @@ LinearFit LeastSquares::fit(std::size_t label) const {
   const Eigen::Vector4d b(atb_[0][label], atb_[1][label], atb_[2][label], atb_[3][label]);
   LinearFit out;
   out.coefficients = inverse_ * b;
-  out.squared_error = std::max(0.0, out.coefficients.dot(ata_ * out.coefficients) - 2 * out.coefficients.dot(b) +
-                                        btb_[label]);
+  out.squared_error = std::max(
+      0.0, out.coefficients.dot(ata_ * out.coefficients) - 2 * out.coefficients.dot(b) + btb_[label]);
   return out;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Incremental least squares of many labels against one set of examples (Davies 2015, Procs. 2-5): A^T A is the
-// same for all labels and stored once (the thesis's footnote 1 of sec. 4.1.2); per label only A^T b and b^T b.
+// Incremental least squares of many labels against one set of examples (Davies 2015, Procs. 2-5): A^T A is
+// the same for all labels and stored once (the thesis's footnote 1 of sec. 4.1.2); per label only A^T b and
+// b^T b.
 #pragma once
 
 #include <Eigen/Core>

@@ -16,7 +16,8 @@ std::vector<std::int16_t> nearest_in_column(const cv::Mat& edges, unsigned bit) 
   };
   for (int y = 0; y < h; ++y) {
     const auto* e = edges.ptr<std::uint8_t>(y);
-    for (int x = 0; x < w; ++x) at(y, x) = (e[x] & bit) ? static_cast<std::int16_t>(y) : (y > 0 ? at(y - 1, x) : -1);
+    for (int x = 0; x < w; ++x)
+      at(y, x) = (e[x] & bit) ? static_cast<std::int16_t>(y) : (y > 0 ? at(y - 1, x) : -1);
   }
   for (int y = h - 2; y >= 0; --y) {
     for (int x = 0; x < w; ++x) {

@@ -15,8 +15,8 @@ struct NearestFeature {
   std::int16_t row = -1;
 };
 
-/// Row-major, one entry per pixel of `edges` (CV_8UC1, bit `kind` marks features). Exact. Of equally near features
-/// any one, but always the same.
+/// Row-major, one entry per pixel of `edges` (CV_8UC1, bit `kind` marks features). Exact. Of equally near
+/// features any one, but always the same.
 std::vector<NearestFeature> nearest_features(const cv::Mat& edges, int kind);
 
 }  // namespace sextant

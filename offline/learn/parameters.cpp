@@ -25,13 +25,21 @@ struct Field {
 
 template <typename T>
 Field field(const char* name, T LearnParameters::*member, double low, double high) {
-  return {name, low, high, [member](const LearnParameters& p) { return static_cast<double>(p.*member); },
-          [member](LearnParameters& p, double v) { p.*member = static_cast<T>(v); }, std::is_integral_v<T>};
+  return {name,
+          low,
+          high,
+          [member](const LearnParameters& p) { return static_cast<double>(p.*member); },
+          [member](LearnParameters& p, double v) { p.*member = static_cast<T>(v); },
+          std::is_integral_v<T>};
 }
 template <typename T>
 Field camera_field(const char* name, T PinholeCamera::*member, double low, double high) {
-  return {name, low, high, [member](const LearnParameters& p) { return static_cast<double>(p.camera.*member); },
-          [member](LearnParameters& p, double v) { p.camera.*member = static_cast<T>(v); }, std::is_integral_v<T>};
+  return {name,
+          low,
+          high,
+          [member](const LearnParameters& p) { return static_cast<double>(p.camera.*member); },
+          [member](LearnParameters& p, double v) { p.camera.*member = static_cast<T>(v); },
+          std::is_integral_v<T>};
 }
 
 const std::vector<Field>& fields() {
@@ -91,7 +99,8 @@ LearnParameters read_learn_parameters(const std::filesystem::path& file) {
   LearnParameters p;
   try {
     const YAML::Node root = YAML::LoadFile(file.string());
-    if (!root.IsMap()) throw InputError(file.string(), "not a mapping of parameters", "write lines like \"grid: 96\"");
+    if (!root.IsMap())
+      throw InputError(file.string(), "not a mapping of parameters", "write lines like \"grid: 96\"");
     for (const auto& entry : root) {
       const auto name = entry.first.as<std::string>();
       const std::string where = fmt::format("{}:{}", file.string(), entry.first.Mark().line + 1);
@@ -105,12 +114,13 @@ LearnParameters read_learn_parameters(const std::filesystem::path& file) {
         known = true;
         const double v = entry.second.as<double>();
         if (!(v >= f.low && v <= f.high) || (f.whole && v != std::floor(v))) {
-          throw InputError(where, fmt::format("{} must be {} {}..{}", name, f.whole ? "a whole number" : "a number",
-                                              f.low, f.high));
+          throw InputError(where, fmt::format("{} must be {} {}..{}", name,
+                                              f.whole ? "a whole number" : "a number", f.low, f.high));
         }
         f.set(p, v);
       }
-      if (!known) throw InputError(where, "unknown parameter \"" + name + "\"", "see docs/convert-your-object.md");
+      if (!known)
+        throw InputError(where, "unknown parameter \"" + name + "\"", "see docs/convert-your-object.md");
     }
   } catch (const YAML::Exception& e) {
     throw InputError(fmt::format("{}:{}", file.string(), e.mark.line + 1), e.msg, "fix the YAML");

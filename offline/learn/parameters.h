@@ -15,25 +15,25 @@ namespace sextant {
 inline constexpr double kReferenceFocal = 525;
 
 struct LearnParameters {
-  int images_per_bin = 100;            ///< n: rendered training images, 10..10000
-  int visual_parts = 100;              ///< n_V, 0..1000
-  int depth_parts = 100;               ///< n_D, 0..1000
-  double visual_radius_px = 5;         ///< r_V: receptive field, pixels at 1 m
-  double depth_radius_m = 0.02;        ///< r_D
-  double missing_depth_m = 0.01;       ///< d0: difference assumed where depth is missing, <= r_D
+  int images_per_bin = 100;              ///< n: rendered training images, 10..10000
+  int visual_parts = 100;                ///< n_V, 0..1000
+  int depth_parts = 100;                 ///< n_D, 0..1000
+  double visual_radius_px = 5;           ///< r_V: receptive field, pixels at 1 m
+  double depth_radius_m = 0.02;          ///< r_D
+  double missing_depth_m = 0.01;         ///< d0: difference assumed where depth is missing, <= r_D
   double visual_max_variance_px2 = 275;  ///< v_Vmax, pixels^2 at 1 m
   double depth_max_variance_m2 = 0.02;   ///< v_Dmax
-  int bin_width_deg = 20;              ///< r_w, 5..45
-  int grid = 96;                       ///< w: enumeration grid over the object's square, 16..512
-  int edge_low = 60;                   ///< EdgeOptions::low
-  int edge_high = 120;                 ///< EdgeOptions::high
-  double ambient = 0.5;                ///< share of ambient light, 0..1
-  double min_distance_m = 0.5;         ///< nearest training distance
-  double max_distance_m = 1.4;         ///< farthest
-  double min_pitch_deg = 25;           ///< cameras that will be used: looking down by min..max
+  int bin_width_deg = 20;                ///< r_w, 5..45
+  int grid = 96;                         ///< w: enumeration grid over the object's square, 16..512
+  int edge_low = 60;                     ///< EdgeOptions::low
+  int edge_high = 120;                   ///< EdgeOptions::high
+  double ambient = 0.5;                  ///< share of ambient light, 0..1
+  double min_distance_m = 0.5;           ///< nearest training distance
+  double max_distance_m = 1.4;           ///< farthest
+  double min_pitch_deg = 25;             ///< cameras that will be used: looking down by min..max
   double max_pitch_deg = 55;
-  double max_roll_deg = 3;             ///< of those cameras, to either side
-  double angle_tolerance_deg = 12;     ///< r_tol of the searches that will use the model
+  double max_roll_deg = 3;                            ///< of those cameras, to either side
+  double angle_tolerance_deg = 12;                    ///< r_tol of the searches that will use the model
   PinholeCamera camera{640, 480, 525, 319.5, 239.5};  ///< training camera and field of view to cover
   std::uint64_t seed = 1;
 

@@ -5,7 +5,8 @@
 
 namespace sextant {
 
-std::vector<PartCandidate> select_greedily(const std::vector<PartCandidate>& sorted, double d_min, std::size_t wanted) {
+std::vector<PartCandidate> select_greedily(const std::vector<PartCandidate>& sorted, double d_min,
+                                           std::size_t wanted) {
   std::vector<PartCandidate> chosen;
   const double least2 = d_min * d_min;
   for (const PartCandidate& candidate : sorted) {
@@ -18,7 +19,8 @@ std::vector<PartCandidate> select_greedily(const std::vector<PartCandidate>& sor
   return chosen;
 }
 
-std::vector<PartCandidate> select_parts(std::vector<PartCandidate> candidates, std::size_t wanted, double max_variance) {
+std::vector<PartCandidate> select_parts(std::vector<PartCandidate> candidates, std::size_t wanted,
+                                        double max_variance) {
   std::erase_if(candidates, [&](const PartCandidate& c) { return !(c.variance <= max_variance); });
   std::sort(candidates.begin(), candidates.end(), [](const PartCandidate& a, const PartCandidate& b) {
     return a.variance != b.variance ? a.variance < b.variance : a.index < b.index;

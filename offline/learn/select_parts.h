@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Choosing parts (Davies 2015, Procs. 7-8): low variance first, spread by a minimum distance that is as large as
-// the wanted number of parts allows. Ours: distances are between *predicted positions at the bin's centre*, per
-// kind, because many enumeration pixels share one nearest feature.
+// Choosing parts (Davies 2015, Procs. 7-8): low variance first, spread by a minimum distance that is as large
+// as the wanted number of parts allows. Ours: distances are between *predicted positions at the bin's
+// centre*, per kind, because many enumeration pixels share one nearest feature.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,10 +21,12 @@ struct PartCandidate {
 inline constexpr int kLargestSpacing = 500;
 
 /// Procs. 7: greedy choice of at most `wanted` candidates (sorted by variance) farther than d_min apart.
-std::vector<PartCandidate> select_greedily(const std::vector<PartCandidate>& sorted, double d_min, std::size_t wanted);
+std::vector<PartCandidate> select_greedily(const std::vector<PartCandidate>& sorted, double d_min,
+                                           std::size_t wanted);
 
-/// Proc. 8: drops candidates above max_variance, sorts, and finds the largest whole d_min in 0..500 that still
-/// yields `wanted` parts; with fewer candidates than wanted, all that d_min = 0 yields.
-std::vector<PartCandidate> select_parts(std::vector<PartCandidate> candidates, std::size_t wanted, double max_variance);
+/// Proc. 8: drops candidates above max_variance, sorts, and finds the largest whole d_min in 0..500 that
+/// still yields `wanted` parts; with fewer candidates than wanted, all that d_min = 0 yields.
+std::vector<PartCandidate> select_parts(std::vector<PartCandidate> candidates, std::size_t wanted,
+                                        double max_variance);
 
 }  // namespace sextant

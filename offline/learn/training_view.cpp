@@ -17,14 +17,20 @@ cv::Rect window_around(const PinholeCamera& camera, const Pose6& pose, double ra
   const double n = 1 / camera.ray(pose.x, pose.y).z();
   const double half = camera.focal * radius_m / std::sqrt(pose.z * pose.z - radius_m * radius_m) * n * n;
   const int side = 2 * (static_cast<int>(std::ceil(half)) + kBorder) + 1;
-  return {static_cast<int>(std::lround(pose.x)) - side / 2, static_cast<int>(std::lround(pose.y)) - side / 2, side, side};
+  return {static_cast<int>(std::lround(pose.x)) - side / 2, static_cast<int>(std::lround(pose.y)) - side / 2,
+          side, side};
 }
 
 }  // namespace
 
-TrainingViews::TrainingViews(Renderer& renderer, int mesh, double bounding_radius_m, const LearnParameters& parameters,
-                             const RotationBox& box, std::uint64_t seed)
-    : renderer_(renderer), mesh_(mesh), radius_m_(bounding_radius_m), parameters_(parameters), box_(box), random_(seed) {}
+TrainingViews::TrainingViews(Renderer& renderer, int mesh, double bounding_radius_m,
+                             const LearnParameters& parameters, const RotationBox& box, std::uint64_t seed)
+    : renderer_(renderer),
+      mesh_(mesh),
+      radius_m_(bounding_radius_m),
+      parameters_(parameters),
+      box_(box),
+      random_(seed) {}
 
 double TrainingViews::uniform(double lo, double hi) {
   // std::uniform_real_distribution differs between standard libraries; this does not.
@@ -58,10 +64,9 @@ TrainingView TrainingViews::next() {
   light.position_in_camera = centre + Eigen::Vector3d(uniform(-2, 2), uniform(-2.5, -0.3), uniform(-2, 1));
   const double grey = uniform(0, 255);
   const Eigen::Vector3d background(grey + uniform(-20, 20), grey + uniform(-20, 20), grey + uniform(-20, 20));
-  RenderedView rendered =
-      renderer_.render(parameters_.camera, view.window,
-                       {{mesh_, transform_from_pose(parameters_.camera, view.pose)}}, light,
-                       background.cwiseMax(0).cwiseMin(255));
+  RenderedView rendered = renderer_.render(parameters_.camera, view.window,
+                                           {{mesh_, transform_from_pose(parameters_.camera, view.pose)}},
+                                           light, background.cwiseMax(0).cwiseMin(255));
   view.edges = edges_by_direction(rendered.colour, {parameters_.edge_low, parameters_.edge_high});
   view.ray_depth_m = std::move(rendered.ray_depth_m);
   return view;

@@ -15,9 +15,9 @@ namespace sextant {
 
 struct TrainingView {
   Pose6 pose;
-  cv::Rect window;       ///< of the camera's image, may reach outside of it
-  cv::Mat edges;         ///< edges_by_direction of the window
-  cv::Mat ray_depth_m;   ///< CV_32FC1 of the window, 0 = background
+  cv::Rect window;      ///< of the camera's image, may reach outside of it
+  cv::Mat edges;        ///< edges_by_direction of the window
+  cv::Mat ray_depth_m;  ///< CV_32FC1 of the window, 0 = background
 };
 
 /// A seeded source of training views of one object in one bin.

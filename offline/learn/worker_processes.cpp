@@ -45,12 +45,15 @@ void send(int fd, std::uint64_t item, const void* data, std::size_t size) {
   if (!write_all(fd, &header, sizeof header) || !write_all(fd, data, size)) _exit(1);  // the caller is gone
 }
 
-[[noreturn]] void be_worker(int fd, pid_t parent, int worker, const std::function<void(int, const Deliver&)>& work) {
+[[noreturn]] void be_worker(int fd, pid_t parent, int worker,
+                            const std::function<void(int, const Deliver&)>& work) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);  // the caller died before the line above
-  cv::setNumThreads(0);  // its threads were not inherited
+  cv::setNumThreads(0);               // its threads were not inherited
   try {
-    work(worker, [fd](std::size_t item, std::span<const std::byte> bytes) { send(fd, item, bytes.data(), bytes.size()); });
+    work(worker, [fd](std::size_t item, std::span<const std::byte> bytes) {
+      send(fd, item, bytes.data(), bytes.size());
+    });
   } catch (const std::exception& e) {
     const std::string what = e.what();
     send(fd, kFailure, what.data(), what.size());
@@ -104,13 +107,15 @@ void finish(Link& link) {
   waitpid(link.pid, &status, 0);
   link.pid = 0;
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !link.pending.empty()) {
-    throw DeviceError("learning", "a worker process died", "try again; if it stays, render with another driver");
+    throw DeviceError("learning", "a worker process died",
+                      "try again; if it stays, render with another driver");
   }
 }
 
 }  // namespace
 
-void run_worker_processes(int count, const std::function<void(int worker, const Deliver&)>& work, const Deliver& receive) {
+void run_worker_processes(int count, const std::function<void(int worker, const Deliver&)>& work,
+                          const Deliver& receive) {
   Links links;
   const pid_t parent = getpid();
   std::fflush(nullptr);

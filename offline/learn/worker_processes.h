@@ -17,6 +17,7 @@ using Deliver = std::function<void(std::size_t item, std::span<const std::byte> 
 /// caller's process (one at a time, in any order). Returns when all workers have ended well. A DoorError of a
 /// worker is thrown again here as InputError with its message; a worker that dies is a DeviceError. Other
 /// threads of the caller do not exist in the workers.
-void run_worker_processes(int count, const std::function<void(int worker, const Deliver&)>& work, const Deliver& receive);
+void run_worker_processes(int count, const std::function<void(int worker, const Deliver&)>& work,
+                          const Deliver& receive);
 
 }  // namespace sextant

@@ -39,7 +39,8 @@ int main(int argc, char** argv) {
   } catch (const sextant::DoorError& e) {
     return fail(static_cast<int>(e.exit_code()), e.what());
   } catch (const std::exception& e) {
-    return fail(static_cast<int>(ExitCode::kOurBug), (std::string("this is our bug, please report it: ") + e.what()).c_str());
+    return fail(static_cast<int>(ExitCode::kOurBug),
+                (std::string("this is our bug, please report it: ") + e.what()).c_str());
   }
   return exit_code;
 }

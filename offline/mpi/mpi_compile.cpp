@@ -32,8 +32,10 @@ struct MpiJob {
 
 void send_bin(std::size_t index, const ViewpointBin& bin) {
   const std::vector<std::byte> bytes = encode_bin(bin);
-  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) throw std::logic_error("bin too large");
-  MPI_Send(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, static_cast<int>(index), MPI_COMM_WORLD);
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    throw std::logic_error("bin too large");
+  MPI_Send(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, 0, static_cast<int>(index),
+           MPI_COMM_WORLD);
 }
 
 void receive_bin(std::vector<ViewpointBin>& bins) {
@@ -42,7 +44,8 @@ void receive_bin(std::vector<ViewpointBin>& bins) {
   int size = 0;
   MPI_Get_count(&status, MPI_BYTE, &size);
   std::vector<std::byte> bytes(static_cast<std::size_t>(size));
-  MPI_Recv(bytes.data(), size, MPI_BYTE, status.MPI_SOURCE, status.MPI_TAG, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  MPI_Recv(bytes.data(), size, MPI_BYTE, status.MPI_SOURCE, status.MPI_TAG, MPI_COMM_WORLD,
+           MPI_STATUS_IGNORE);
   bins.at(static_cast<std::size_t>(status.MPI_TAG)) = decode_bin(bytes);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// sextant-mpi compile: learning spread over ranks. The model is byte for byte the one that `sextant compile` makes.
+// sextant-mpi compile: learning spread over ranks. The model is byte for byte the one that `sextant compile`
+// makes.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -33,8 +33,10 @@ EGLDisplay shared_display() {
     EGLint count = 0;
     eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count);
     for (EGLint i = 0; i < count; ++i) {
-      candidate = eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr);
-      if (candidate != EGL_NO_DISPLAY && eglInitialize(candidate, nullptr, nullptr)) return display = candidate;
+      candidate =
+          eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr);
+      if (candidate != EGL_NO_DISPLAY && eglInitialize(candidate, nullptr, nullptr))
+        return display = candidate;
     }
   }
   throw DeviceError("EGL", "no headless display", kAdvice);
@@ -45,12 +47,17 @@ EGLDisplay shared_display() {
 EglContext::EglContext() {
   display_ = shared_display();
   if (!eglBindAPI(EGL_OPENGL_API)) throw DeviceError("EGL", "no desktop OpenGL", kAdvice);
-  const std::array<EGLint, 5> config_attributes{EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+  const std::array<EGLint, 5> config_attributes{EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                                                EGL_NONE};
   EGLConfig config = nullptr;
   EGLint count = 0;
   eglChooseConfig(display_, config_attributes.data(), &config, 1, &count);
-  const std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
-                                         EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+  const std::array<EGLint, 7> attributes{EGL_CONTEXT_MAJOR_VERSION,
+                                         3,
+                                         EGL_CONTEXT_MINOR_VERSION,
+                                         3,
+                                         EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                          EGL_NONE};
   context_ = eglCreateContext(display_, count > 0 ? config : nullptr, EGL_NO_CONTEXT, attributes.data());
   if (context_ == EGL_NO_CONTEXT) throw DeviceError("EGL", "no OpenGL 3.3 core context", kAdvice);

@@ -70,7 +70,8 @@ struct Targets {
     for (const GLuint f : {multisample, resolve, geometry}) {
       glBindFramebuffer(GL_FRAMEBUFFER, f);
       if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-        throw DeviceError("OpenGL", "no framebuffer of " + std::to_string(w) + " x " + std::to_string(h) + " pixels",
+        throw DeviceError("OpenGL",
+                          "no framebuffer of " + std::to_string(w) + " x " + std::to_string(h) + " pixels",
                           "render a smaller image");
       }
     }
@@ -113,7 +114,8 @@ template <typename Vector>
 void upload_attribute(GLuint buffer, GLuint location, const std::vector<Vector>& values) {
   constexpr GLint kComponents = Vector::RowsAtCompileTime;
   glBindBuffer(GL_ARRAY_BUFFER, buffer);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size() * sizeof(Vector)), values.data(), GL_STATIC_DRAW);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size() * sizeof(Vector)), values.data(),
+               GL_STATIC_DRAW);
   glEnableVertexAttribArray(location);
   glVertexAttribPointer(location, kComponents, GL_FLOAT, GL_FALSE, sizeof(Vector), nullptr);
 }
@@ -188,7 +190,8 @@ struct Renderer::Impl {
     meshes.erase(found);
   }
 
-  void draw(GLuint program, const Eigen::Matrix4d& clip, const std::vector<RenderItem>& items, bool coloured) {
+  void draw(GLuint program, const Eigen::Matrix4d& clip, const std::vector<RenderItem>& items,
+            bool coloured) {
     glUseProgram(program);
     set_matrix(program, "clip_from_camera", clip);
     for (std::size_t i = 0; i < items.size(); ++i) {
@@ -228,7 +231,8 @@ int Renderer::upload(const Mesh& mesh) {
     PartOnGpu p;
     glGenBuffers(1, &p.elements);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, p.elements);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(part.triangles.size() * sizeof(part.triangles[0])),
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER,
+                 static_cast<GLsizeiptr>(part.triangles.size() * sizeof(part.triangles[0])),
                  part.triangles.data(), GL_STATIC_DRAW);
     p.count = static_cast<GLsizei>(part.triangles.size() * 3);
     p.texture = part.texture;
@@ -245,8 +249,9 @@ void Renderer::release(int mesh) {
   impl_->forget(mesh);
 }
 
-RenderedView Renderer::render(const PinholeCamera& camera, const cv::Rect& window, const std::vector<RenderItem>& items,
-                              const Light& light, const Eigen::Vector3d& background) {
+RenderedView Renderer::render(const PinholeCamera& camera, const cv::Rect& window,
+                              const std::vector<RenderItem>& items, const Light& light,
+                              const Eigen::Vector3d& background) {
   Impl& gl = *impl_;
   gl.egl.make_current();
   if (window.width > gl.targets.width || window.height > gl.targets.height) {

@@ -16,7 +16,7 @@ namespace sextant {
 
 /// One thing to draw.
 struct RenderItem {
-  int mesh = 0;                        ///< handle from Renderer::upload
+  int mesh = 0;  ///< handle from Renderer::upload
   RigidTransform camera_from_mesh = RigidTransform::Identity();
 };
 
@@ -47,8 +47,9 @@ class Renderer {
   void release(int mesh);
   /// Draws all items. `window` selects pixels of the camera's image (may reach outside of it): the result
   /// has the window's size. background: RGB 0..255.
-  RenderedView render(const PinholeCamera& camera, const cv::Rect& window, const std::vector<RenderItem>& items,
-                      const Light& light, const Eigen::Vector3d& background);
+  RenderedView render(const PinholeCamera& camera, const cv::Rect& window,
+                      const std::vector<RenderItem>& items, const Light& light,
+                      const Eigen::Vector3d& background);
 
  private:
   struct Impl;

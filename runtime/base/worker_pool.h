@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The threads of tables and search. Work is a count of independent items; which thread takes which item never changes
-// the result, because items write only to their own slot.
+// The threads of tables and search. Work is a count of independent items; which thread takes which item never
+// changes the result, because items write only to their own slot.
 #pragma once
 
 #include <atomic>

@@ -19,7 +19,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 /// A model under the chosen scoring.
 struct SearchedObject {
@@ -72,7 +74,8 @@ struct Detector::Impl {
   WorkerPool pool;
   FrameTables tables;
 
-  Impl(std::vector<ObjectModel> m, DetectOptions o) : models(std::move(m)), options(std::move(o)), pool(options.threads) {
+  Impl(std::vector<ObjectModel> m, DetectOptions o)
+      : models(std::move(m)), options(std::move(o)), pool(options.threads) {
     check(options);
     if (models.empty()) throw UsageError("no model to look for", "give at least one compiled model");
     const Scoring scoring = scoring_from_name(options.scoring);
@@ -81,7 +84,8 @@ struct Detector::Impl {
       object.bins = score_bins(model, scoring);
       object.threshold = options.threshold.value_or(default_threshold(object.bins));
       for (const ScoredBin& bin : object.bins) {
-        object.largest_visual_radius = std::max(object.largest_visual_radius, double{bin.largest_visual_radius});
+        object.largest_visual_radius =
+            std::max(object.largest_visual_radius, double{bin.largest_visual_radius});
       }
       objects.push_back(std::move(object));
     }
@@ -90,8 +94,10 @@ struct Detector::Impl {
   std::optional<TableGeometry> table_for(const RgbdFrame& frame, const SearchFrame& rectified) const {
     const std::string where = "image " + std::to_string(frame.image_id);
     switch (options.table) {
-      case TableSource::kNone: return std::nullopt;
-      case TableSource::kFixed: return options.fixed_table;
+      case TableSource::kNone:
+        return std::nullopt;
+      case TableSource::kFixed:
+        return options.fixed_table;
       case TableSource::kFrame:
         if (!frame.table) {
           throw InputError(where, "the frame does not say where the table is",
@@ -135,7 +141,8 @@ struct Detector::Impl {
     result.seconds.tables = seconds_since(tables_start);
 
     const auto search_start = Clock::now();
-    for (std::size_t i = 0; i < models.size(); ++i) search(i, frame, rectified.camera, table, search_start, result);
+    for (std::size_t i = 0; i < models.size(); ++i)
+      search(i, frame, rectified.camera, table, search_start, result);
     result.seconds.search = seconds_since(search_start);
     result.seconds.total = seconds_since(start);
     return result;
@@ -170,7 +177,7 @@ struct Detector::Impl {
     summary.upper_bound = outcome.upper_bound;
     summary.threshold = object.threshold;
     summary.coverage = constraint.coverage(model.bins);
-    summary.status = !outcome.complete ? SearchStatus::kBounded
+    summary.status = !outcome.complete       ? SearchStatus::kBounded
                      : outcome.found.empty() ? SearchStatus::kAbsent
                                              : SearchStatus::kOptimal;
     for (const ScoredPose& found : outcome.found) {

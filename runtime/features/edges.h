@@ -15,9 +15,10 @@ struct EdgeOptions {
 };
 
 /// Edges by direction: CV_8UC1, bit k set where the pixel is an edge whose line runs within 22.5 deg of
-/// k * 22.5 deg (x right, y down; 0 = horizontal): every edge is of the two nearest kinds. With one kind each, an
-/// edge that turns by the 20 deg of a viewpoint bin always leaves its kind in some training views, and a plain
-/// box had next to no visual parts. colour: CV_8UC3. Per pixel the channel with the largest gradient counts.
+/// k * 22.5 deg (x right, y down; 0 = horizontal): every edge is of the two nearest kinds. With one kind
+/// each, an edge that turns by the 20 deg of a viewpoint bin always leaves its kind in some training views,
+/// and a plain box had next to no visual parts. colour: CV_8UC3. Per pixel the channel with the largest
+/// gradient counts.
 cv::Mat edges_by_direction(const cv::Mat& colour, const EdgeOptions& options = {});
 
 /// Mask of the two kinds 0..7 of an edge with integer gradient (dx, dy), not both 0; |dx|, |dy| < 32768.

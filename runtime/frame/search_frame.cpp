@@ -19,8 +19,9 @@ void check(const RgbdFrame& frame) {
   const cv::Size size(frame.camera.width, frame.camera.height);
   if (frame.colour.size() != size || frame.axial_depth_m.size() != size) {
     throw InputError(where,
-                     "the images are " + std::to_string(frame.colour.cols) + " x " + std::to_string(frame.colour.rows) +
-                         " and " + std::to_string(frame.axial_depth_m.cols) + " x " +
+                     "the images are " + std::to_string(frame.colour.cols) + " x " +
+                         std::to_string(frame.colour.rows) + " and " +
+                         std::to_string(frame.axial_depth_m.cols) + " x " +
                          std::to_string(frame.axial_depth_m.rows) + ", the calibration is for " +
                          std::to_string(size.width) + " x " + std::to_string(size.height),
                      "register depth to colour and give the calibration of that size");
@@ -65,7 +66,8 @@ SearchFrame rectified(const RgbdFrame& frame, int width_out) {
   } else {
     const cv::Mat map = source_pixels(frame.camera, out.camera);
     cv::remap(frame.colour, out.colour, map, cv::Mat(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-    cv::remap(frame.axial_depth_m, out.ray_depth_m, map, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT, 0);
+    cv::remap(frame.axial_depth_m, out.ray_depth_m, map, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
+              0);
   }
   axial_to_ray(out.camera, out.ray_depth_m);
   return out;

@@ -9,11 +9,11 @@
 namespace sextant {
 namespace {
 
-constexpr int kStep = 4;              ///< pixels between samples
+constexpr int kStep = 4;  ///< pixels between samples
 constexpr int kRounds = 600;
 constexpr std::size_t kFewest = 200;
 constexpr double kLeastShare = 0.15;
-constexpr double kFarthest = 2.5;     ///< metres; beyond it, depth is too coarse to help
+constexpr double kFarthest = 2.5;         ///< metres; beyond it, depth is too coarse to help
 constexpr double kLeastDownward = 0.087;  ///< sine of 5 deg
 
 /// Distance within which a point counts as on the plane: sensor noise grows with the square of depth.
@@ -31,7 +31,9 @@ Plane plane_at(const Eigen::Vector3d& point, Eigen::Vector3d normal) {
   return {normal, -normal.dot(point)};
 }
 
-double distance_to(const Plane& plane, const Eigen::Vector3d& p) { return std::abs(plane.up.dot(p) + plane.height); }
+double distance_to(const Plane& plane, const Eigen::Vector3d& p) {
+  return std::abs(plane.up.dot(p) + plane.height);
+}
 
 Plane least_squares(const std::vector<Eigen::Vector3d>& points, const Plane& near) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();

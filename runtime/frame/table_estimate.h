@@ -15,9 +15,9 @@ struct TableEstimate {
   double inlier_share = 0;  ///< of the sampled depth pixels, within the inlier distance of the plane
 };
 
-/// Searches planes whose normal points at the camera and has an elevation of 5..90 deg (the camera looks down on
-/// it). Deterministic: the same image gives the same plane. Empty where fewer than 200 pixels or less
-/// than 15 % of the pixels agree on one plane.
+/// Searches planes whose normal points at the camera and has an elevation of 5..90 deg (the camera looks down
+/// on it). Deterministic: the same image gives the same plane. Empty where fewer than 200 pixels or less than
+/// 15 % of the pixels agree on one plane.
 std::optional<TableEstimate> estimate_table(const SearchFrame& frame);
 
 }  // namespace sextant

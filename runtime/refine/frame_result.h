@@ -22,9 +22,12 @@ enum class SearchStatus : std::uint8_t {
 
 inline const char* to_string(SearchStatus status) {
   switch (status) {
-    case SearchStatus::kOptimal: return "optimal";
-    case SearchStatus::kBounded: return "bounded";
-    case SearchStatus::kAbsent: return "absent";
+    case SearchStatus::kOptimal:
+      return "optimal";
+    case SearchStatus::kBounded:
+      return "bounded";
+    case SearchStatus::kAbsent:
+      return "absent";
   }
   return "?";
 }
@@ -34,11 +37,12 @@ struct PoseEstimate {
   int object_id = 0;
   std::string object_name;
   RigidTransform camera_from_object = RigidTransform::Identity();  ///< of the mesh's own frame, metres
-  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< x y z rx ry rz; 0: unknown
-  double score = 0;        ///< in [0, 1]
-  double log_score = 0;    ///< the score that the search maximises
-  double upper_bound = 0;  ///< no pose that is neither reported nor suppressed scores higher
-  double gap = 0;          ///< max(0, upper_bound - log_score)
+  Eigen::Matrix<double, 6, 6> covariance =
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< x y z rx ry rz; 0: unknown
+  double score = 0;                         ///< in [0, 1]
+  double log_score = 0;                     ///< the score that the search maximises
+  double upper_bound = 0;                   ///< no pose that is neither reported nor suppressed scores higher
+  double gap = 0;                           ///< max(0, upper_bound - log_score)
   SearchStatus status = SearchStatus::kOptimal;
   std::array<double, 4> bbox{};  ///< x, y, width, height, pixels of the source image
 };
@@ -65,9 +69,9 @@ struct FrameResult {
   std::int64_t sequence = 0;
   std::int64_t scene_id = 0;
   std::int64_t image_id = 0;
-  std::vector<ObjectOutcome> objects;    ///< one per model
-  std::vector<PoseEstimate> estimates;   ///< by object, best first
-  std::uint64_t nodes = 0;               ///< boxes that the search bounded
+  std::vector<ObjectOutcome> objects;   ///< one per model
+  std::vector<PoseEstimate> estimates;  ///< by object, best first
+  std::uint64_t nodes = 0;              ///< boxes that the search bounded
   StageSeconds seconds;
 };
 

@@ -9,8 +9,8 @@ namespace {
 /// The region in the score's coordinates.
 struct FloatRegion {
   FloatRange x, y, z, rx, ry, rz;
-  FloatRange scale;   ///< focal / z
-  float unit2 = 0;    ///< (z / focal)^2 at the nearest z: a lower bound
+  FloatRange scale;  ///< focal / z
+  float unit2 = 0;   ///< (z / focal)^2 at the nearest z: a lower bound
 
   FloatRegion(const Region& r, float focal)
       : x{lattice_pixel(r.lo[kX]), lattice_pixel(r.hi[kX])},
@@ -37,7 +37,8 @@ Window window_of(IndexRange columns, IndexRange rows, int stride) {
 
 constexpr int kLevels = static_cast<int>(kWindowSides.size());
 
-float lowest_visual_cost(const VisualParts& parts, std::size_t i, const FloatRegion& r, const FrameTables& tables) {
+float lowest_visual_cost(const VisualParts& parts, std::size_t i, const FloatRegion& r,
+                         const FrameTables& tables) {
   const FloatRange u = linear(parts.u[0][i], parts.u[1][i], parts.u[2][i], parts.u[3][i], r.rx, r.ry, r.rz);
   const FloatRange v = linear(parts.v[0][i], parts.v[1][i], parts.v[2][i], parts.v[3][i], r.rx, r.ry, r.rz);
   const Window w = window_of(table_index(r.x, r.scale, u, tables.width()),
@@ -47,7 +48,8 @@ float lowest_visual_cost(const VisualParts& parts, std::size_t i, const FloatReg
   return std::min(distance2 * r.unit2, parts.radius2[i]) * parts.weight[i];
 }
 
-float lowest_depth_cost(const DepthParts& parts, std::size_t i, const FloatRegion& r, const FrameTables& tables) {
+float lowest_depth_cost(const DepthParts& parts, std::size_t i, const FloatRegion& r,
+                        const FrameTables& tables) {
   const FloatRange px{parts.px[i], parts.px[i]};
   const FloatRange py{parts.py[i], parts.py[i]};
   const Window w = window_of(table_index(r.x, r.scale, px, tables.width()),
@@ -55,7 +57,8 @@ float lowest_depth_cost(const DepthParts& parts, std::size_t i, const FloatRegio
   if (w.level >= kLevels) return 0;
   const std::uint16_t nearest = tables.nearest_depth(w.level)[w.index];
   if (nearest == FrameTables::kMissing) return parts.missing_cost[i];
-  const FloatRange offset = linear(parts.d[0][i], parts.d[1][i], parts.d[2][i], parts.d[3][i], r.rx, r.ry, r.rz);
+  const FloatRange offset =
+      linear(parts.d[0][i], parts.d[1][i], parts.d[2][i], parts.d[3][i], r.rx, r.ry, r.rz);
   const FloatRange expected{r.z.lo + offset.lo, r.z.hi + offset.hi};
   const float near_m = static_cast<float>(nearest) * FrameTables::kDepthUnit;
   const float far_m = static_cast<float>(tables.farthest_depth(w.level)[w.index]) * FrameTables::kDepthUnit;

@@ -9,8 +9,8 @@
 
 namespace sextant {
 
-/// bound(region) >= evaluate(pose) for every pose of the region. Stops early and returns a value below `floor`
-/// as soon as the bound is known to be below `floor`.
+/// bound(region) >= evaluate(pose) for every pose of the region. Stops early and returns a value below
+/// `floor` as soon as the bound is known to be below `floor`.
 double window_bound(const ScoredBin& bin, const FrameTables& tables, const Region& region, double floor);
 
 }  // namespace sextant

@@ -89,8 +89,8 @@ class Search {
       node.bound = evaluate(bin_of(region), problem_.tables, node.region.first());
       return node;
     }
-    node.bound =
-        std::min(parent_bound, window_bound(bin_of(region), problem_.tables, node.region, options_.threshold));
+    node.bound = std::min(parent_bound,
+                          window_bound(bin_of(region), problem_.tables, node.region, options_.threshold));
     return node;
   }
 
@@ -151,7 +151,8 @@ class Search {
     }
     std::vector<Node> poses;
     std::vector<Node> regions;
-    for (; !frontier_.empty(); frontier_.pop()) (frontier_.top().exact ? poses : regions).push_back(frontier_.top());
+    for (; !frontier_.empty(); frontier_.pop())
+      (frontier_.top().exact ? poses : regions).push_back(frontier_.top());
     for (const Node& node : poses) {
       frontier_.push(node);
       if (!full()) take_pose();

@@ -9,10 +9,10 @@
 #include <optional>
 #include <vector>
 
+#include "runtime/base/worker_pool.h"
 #include "runtime/search/constraint.h"
 #include "runtime/search/lattice.h"
 #include "runtime/search/scored_bin.h"
-#include "runtime/base/worker_pool.h"
 #include "runtime/tables/frame_tables.h"
 
 namespace sextant {
@@ -26,8 +26,8 @@ struct SearchProblem {
 };
 
 struct SearchOptions {
-  int max_detections = 1;      ///< 1..
-  double threshold = 0;        ///< score that a detection must reach (>=)
+  int max_detections = 1;  ///< 1..
+  double threshold = 0;    ///< score that a detection must reach (>=)
   /// True when the search must stop now; asked once per batch. Empty: never.
   std::function<bool()> expired;
 };
@@ -44,7 +44,7 @@ struct SearchOutcome {
   bool complete = false;          ///< false: the search expired, `found` is the best so far
   /// Every feasible pose that is neither found nor suppressed by a found one scores at most this.
   double upper_bound = 0;
-  std::uint64_t nodes = 0;        ///< regions bounded
+  std::uint64_t nodes = 0;  ///< regions bounded
 };
 
 /// Runs the search. With the same problem and options a completed search gives the same poses, scores and

@@ -13,7 +13,8 @@ constexpr double kRotationDepthWeight = 2.0;
 
 }  // namespace
 
-std::pair<Region, Region> halves(const ScoredBin& bin, double bounding_radius_m, double focal, const Region& region) {
+std::pair<Region, Region> halves(const ScoredBin& bin, double bounding_radius_m, double focal,
+                                 const Region& region) {
   std::array<double, kDimensions> span{};
   for (std::size_t d = 0; d < kDimensions; ++d) span[d] = region.hi[d] - region.lo[d];
   const double z = 0.5 * (region.lo[kZ] + region.hi[kZ]) * kLatticeDistance;
@@ -32,7 +33,8 @@ std::pair<Region, Region> halves(const ScoredBin& bin, double bounding_radius_m,
     // A model without parts of a kind still has to be divided.
     if (span[kRx + a] > 0 && effect[kRx + a] == 0) effect[kRx + a] = 1e-9 * span[kRx + a];
   }
-  const auto widest = static_cast<std::size_t>(std::max_element(effect.begin(), effect.end()) - effect.begin());
+  const auto widest =
+      static_cast<std::size_t>(std::max_element(effect.begin(), effect.end()) - effect.begin());
   const auto middle = static_cast<std::int16_t>((region.lo[widest] + region.hi[widest]) >> 1);
   std::pair<Region, Region> parts{region, region};
   parts.first.hi[widest] = middle;

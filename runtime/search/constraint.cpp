@@ -23,7 +23,8 @@ void shrink(Region& region, Dimension d, Interval range, double step) {
 }
 
 bool box_holds(const RotationBox& box, double rx_deg, double ry_deg) {
-  return box.lo_deg[0] <= rx_deg && rx_deg < box.hi_deg[0] && box.lo_deg[1] <= ry_deg && ry_deg < box.hi_deg[1];
+  return box.lo_deg[0] <= rx_deg && rx_deg < box.hi_deg[0] && box.lo_deg[1] <= ry_deg &&
+         ry_deg < box.hi_deg[1];
 }
 
 }  // namespace
@@ -44,7 +45,8 @@ Region Constraint::whole(int bin_index, const RotationBox& box) const {
 
 bool Constraint::contains(const LatticePose& pose) const {
   if (!table_) return true;
-  return table_constraint_contains(camera_, table_->table, table_->centre_height_m, table_->tolerance, pose_of(pose));
+  return table_constraint_contains(camera_, table_->table, table_->centre_height_m, table_->tolerance,
+                                   pose_of(pose));
 }
 
 Region Constraint::tightened(Region region) const {

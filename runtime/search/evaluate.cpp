@@ -13,8 +13,8 @@ double evaluate(const ScoredBin& bin, const FrameTables& tables, const LatticePo
   const float ry = lattice_angle(pose.at[kRy]);
   const float rz = lattice_angle(pose.at[kRz]);
   const auto focal = static_cast<float>(tables.camera().focal);
-  const float scale = focal / z;            // pixels per (tangent * metre)
-  const float unit = z / focal;             // and back
+  const float scale = focal / z;  // pixels per (tangent * metre)
+  const float unit = z / focal;   // and back
   const float unit2 = unit * unit;
   const int stride = tables.stride();
   double cost = 0;

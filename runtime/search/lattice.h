@@ -13,8 +13,8 @@
 
 namespace sextant {
 
-inline constexpr double kLatticeDistance = 0.002;                    ///< metres per step of z
-inline constexpr double kLatticeAngle = std::numbers::pi / 180.0;    ///< radians per step of rx, ry, rz
+inline constexpr double kLatticeDistance = 0.002;                  ///< metres per step of z
+inline constexpr double kLatticeAngle = std::numbers::pi / 180.0;  ///< radians per step of rx, ry, rz
 
 /// Dimensions of a pose, in the order of the total order that breaks ties.
 enum Dimension : std::uint8_t { kX = 0, kY, kZ, kRx, kRy, kRz, kDimensions };
@@ -34,8 +34,8 @@ inline float lattice_angle(int index) { return static_cast<float>(index * kLatti
 
 /// The pose in pixels, metres, radians.
 inline Pose6 pose_of(const LatticePose& p) {
-  return {static_cast<double>(p.at[kX]),    static_cast<double>(p.at[kY]),    p.at[kZ] * kLatticeDistance,
-          p.at[kRx] * kLatticeAngle,        p.at[kRy] * kLatticeAngle,        p.at[kRz] * kLatticeAngle};
+  return {static_cast<double>(p.at[kX]), static_cast<double>(p.at[kY]), p.at[kZ] * kLatticeDistance,
+          p.at[kRx] * kLatticeAngle,     p.at[kRy] * kLatticeAngle,     p.at[kRz] * kLatticeAngle};
 }
 
 /// A box of lattice poses of one bin: lo <= index <= hi in every dimension (closed, unlike the thesis's real

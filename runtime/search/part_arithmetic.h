@@ -24,14 +24,15 @@ inline float linear(float c0, float c1, float c2, float c3, float rx, float ry, 
 }
 inline float lower_product(float c, FloatRange a) { return std::min(c * a.lo, c * a.hi); }
 inline float upper_product(float c, FloatRange a) { return std::max(c * a.lo, c * a.hi); }
-inline FloatRange linear(float c0, float c1, float c2, float c3, FloatRange rx, FloatRange ry, FloatRange rz) {
+inline FloatRange linear(float c0, float c1, float c2, float c3, FloatRange rx, FloatRange ry,
+                         FloatRange rz) {
   return {((c0 + lower_product(c1, rx)) + lower_product(c2, ry)) + lower_product(c3, rz),
           ((c0 + upper_product(c1, rx)) + upper_product(c2, ry)) + upper_product(c3, rz)};
 }
 
 /// Pixel index of centre + scale * offset: rounded half up, clamped to one pixel outside the image, in the
-/// table's coordinates. limit: width or height. The shift by one comes before the conversion, so that truncation
-/// rounds down (std::floor is a call on plain x86-64).
+/// table's coordinates. limit: width or height. The shift by one comes before the conversion, so that
+/// truncation rounds down (std::floor is a call on plain x86-64).
 inline int table_index(float pixel, int limit) {
   return static_cast<int>(std::min(std::max(pixel + 0.5F, -1.0F), static_cast<float>(limit)) + 1.0F);
 }

@@ -17,15 +17,15 @@ constexpr double kEdgeFloor = 1.2 / 525;
 // Share of a part's features that the sensor finds where they should be.
 constexpr double kFoundShare = 0.75;
 // Background: depth is anywhere within half a metre; edges of one direction are found at this density.
-constexpr double kBackgroundDepthSpan = 0.5;                       // metres
-constexpr double kBackgroundEdgeDensity = 0.008 * 525.0 * 525.0;   // per (tangent * metre)^2 at 1 m
+constexpr double kBackgroundDepthSpan = 0.5;                      // metres
+constexpr double kBackgroundEdgeDensity = 0.008 * 525.0 * 525.0;  // per (tangent * metre)^2 at 1 m
 
 /// What one part contributes: gain where it fits perfectly, radius at which it stops mattering.
 struct PartTerms {
-  double gain = 0;      ///< score of a perfect fit
+  double gain = 0;  ///< score of a perfect fit
   double variance = 0;
   double radius2 = 0;
-  double missing = 0;   ///< cost of a missing observation
+  double missing = 0;  ///< cost of a missing observation
 };
 
 /// log(p_object / p_background) of a Gaussian in-state against the out-state: gain - min(d^2, r^2) / (2 v),
@@ -60,7 +60,8 @@ PartTerms depth_terms(const DepthPart& part, Scoring scoring) {
 
 /// Mean over the parts of |coefficient of angle a| / radius.
 template <typename Parts>
-std::array<double, 3> mean_effect(const Parts& parts, const std::vector<const std::array<std::vector<float>, 4>*>& rows) {
+std::array<double, 3> mean_effect(const Parts& parts,
+                                  const std::vector<const std::array<std::vector<float>, 4>*>& rows) {
   std::array<double, 3> effect{};
   if (parts.size() == 0) return effect;
   for (std::size_t a = 0; a < 3; ++a) {

@@ -25,20 +25,20 @@ Scoring scoring_from_name(const std::string& name);
 /// Structure of arrays over the visual parts of a bin.
 struct VisualParts {
   std::vector<std::uint8_t> kind;
-  std::array<std::vector<float>, 4> u;    ///< coefficients of 1, rx, ry, rz; tangent * metre
+  std::array<std::vector<float>, 4> u;  ///< coefficients of 1, rx, ry, rz; tangent * metre
   std::array<std::vector<float>, 4> v;
-  std::vector<float> radius2;             ///< (tangent * metre)^2
-  std::vector<float> weight;              ///< 1 / (2 variance)
+  std::vector<float> radius2;  ///< (tangent * metre)^2
+  std::vector<float> weight;   ///< 1 / (2 variance)
   std::size_t size() const { return kind.size(); }
 };
 
 /// Structure of arrays over the depth parts of a bin.
 struct DepthParts {
-  std::vector<float> px, py;              ///< tangent * metre
-  std::array<std::vector<float>, 4> d;    ///< coefficients of 1, rx, ry, rz; metres
-  std::vector<float> radius2;             ///< m^2
-  std::vector<float> weight;              ///< 1 / (2 variance)
-  std::vector<float> missing_cost;        ///< cost where depth is missing
+  std::vector<float> px, py;            ///< tangent * metre
+  std::array<std::vector<float>, 4> d;  ///< coefficients of 1, rx, ry, rz; metres
+  std::vector<float> radius2;           ///< m^2
+  std::vector<float> weight;            ///< 1 / (2 variance)
+  std::vector<float> missing_cost;      ///< cost where depth is missing
   std::size_t size() const { return px.size(); }
 };
 
@@ -47,13 +47,13 @@ struct ScoredBin {
   RotationBox box;
   VisualParts visual;
   DepthParts depth;
-  double offset = 0;                      ///< score of a pose at which every part fits perfectly
-  double worst = 0;                       ///< score of a pose at which no part fits
-  double zero = 0;                        ///< score that counts as "no evidence": 0, or `worst` for thesis
-  std::array<float, 4> extent{};          ///< 2D box around the centre, tangent * metre
-  float largest_visual_radius = 0;        ///< tangent * metre
-  /// Mean change of a part's pixel (tangent * metre per radian) and depth (metres per radian) with rx, ry, rz,
-  /// in units of its receptive field; and what a change of distance or pixel does. Guides the splitting.
+  double offset = 0;                ///< score of a pose at which every part fits perfectly
+  double worst = 0;                 ///< score of a pose at which no part fits
+  double zero = 0;                  ///< score that counts as "no evidence": 0, or `worst` for thesis
+  std::array<float, 4> extent{};    ///< 2D box around the centre, tangent * metre
+  float largest_visual_radius = 0;  ///< tangent * metre
+  /// Mean change of a part's pixel (tangent * metre per radian) and depth (metres per radian) with rx, ry,
+  /// rz, in units of its receptive field; and what a change of distance or pixel does. Guides the splitting.
   std::array<double, 3> visual_effect{};
   std::array<double, 3> depth_effect{};
   double mean_visual_radius = 0;

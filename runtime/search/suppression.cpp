@@ -18,7 +18,8 @@ Box2 box_of(const ScoredBin& bin, double focal, const LatticePose& pose) {
   const double scale = focal / (pose.at[kZ] * kLatticeDistance);
   const double x = pose.at[kX];
   const double y = pose.at[kY];
-  return {x + scale * bin.extent[0], y + scale * bin.extent[1], x + scale * bin.extent[2], y + scale * bin.extent[3]};
+  return {x + scale * bin.extent[0], y + scale * bin.extent[1], x + scale * bin.extent[2],
+          y + scale * bin.extent[3]};
 }
 
 double intersection_over_union(const Box2& a, const Box2& b) {

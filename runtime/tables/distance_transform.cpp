@@ -22,7 +22,8 @@ void distances_along_columns(const cv::Mat& edges, unsigned bit, int clip, std::
       const auto* row = edges.ptr<std::uint8_t>(y);
       std::uint16_t* o = at(y);
       for (int x = 0; x < width; ++x) {
-        const auto next = static_cast<std::uint16_t>(std::min<int>(steps[static_cast<std::size_t>(x)] + 1, far));
+        const auto next =
+            static_cast<std::uint16_t>(std::min<int>(steps[static_cast<std::size_t>(x)] + 1, far));
         const auto s = (row[x] & bit) ? std::uint16_t{0} : next;
         steps[static_cast<std::size_t>(x)] = s;
         o[x] = std::min(o[x], s);

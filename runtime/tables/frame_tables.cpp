@@ -20,7 +20,8 @@ struct Larger {
 /// Fold of windows of side `big` from those of side `small` (small < big <= 2 small): a big window is the
 /// union of four small ones. Windows that reach over the right or bottom edge are clipped there.
 template <typename Fold>
-void grow_windows(const std::uint16_t* small, std::uint16_t* big, int width, int height, int shift, Fold fold) {
+void grow_windows(const std::uint16_t* small, std::uint16_t* big, int width, int height, int shift,
+                  Fold fold) {
   for (int y = 0; y < height; ++y) {
     const std::uint16_t* a = small + static_cast<std::ptrdiff_t>(y) * width;
     const std::uint16_t* b = small + static_cast<std::ptrdiff_t>(std::min(y + shift, height - 1)) * width;

@@ -66,13 +66,17 @@ class FrameTables {
     return distance_[static_cast<std::size_t>(kind)][static_cast<std::size_t>(level)].values.data();
   }
   /// Smallest depth over the window, in steps; kMissing where no pixel has depth.
-  const std::uint16_t* nearest_depth(int level) const { return nearest_[static_cast<std::size_t>(level)].values.data(); }
+  const std::uint16_t* nearest_depth(int level) const {
+    return nearest_[static_cast<std::size_t>(level)].values.data();
+  }
   /// Largest depth over the window, in steps; 0 where no pixel has depth.
   const std::uint16_t* farthest_depth(int level) const {
     return farthest_[static_cast<std::size_t>(level)].values.data();
   }
   /// Non-zero where any pixel of the window misses depth.
-  const std::uint16_t* any_missing(int level) const { return missing_[static_cast<std::size_t>(level)].values.data(); }
+  const std::uint16_t* any_missing(int level) const {
+    return missing_[static_cast<std::size_t>(level)].values.data();
+  }
 
  private:
   using Levels = std::array<TablePlane, kWindowSides.size()>;

@@ -25,7 +25,8 @@ void bm_tables(benchmark::State& state) {
   WorkerPool pool(static_cast<int>(state.range(1)));
   for (auto _ : state) tables.build(p.frame(), p.edges(), static_cast<int>(state.range(0)), pool);
 }
-BENCHMARK(bm_tables)->Args({15, 1})->Args({15, 2})->Args({30, 2})->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(bm_tables)->Args({15, 1})->Args({15, 2})->Args({30, 2})->UseRealTime()->Unit(
+    benchmark::kMillisecond);
 
 void bm_distance_transform(benchmark::State& state) {
   const RandomProblem p(3, 640, 480);

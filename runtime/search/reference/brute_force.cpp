@@ -8,7 +8,8 @@
 
 namespace sextant {
 
-SearchOutcome brute_force(const SearchProblem& problem, const std::vector<Region>& space, const SearchOptions& options) {
+SearchOutcome brute_force(const SearchProblem& problem, const std::vector<Region>& space,
+                          const SearchOptions& options) {
   SearchOutcome outcome;
   outcome.complete = true;
   outcome.upper_bound = options.threshold;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The oracle: every feasible lattice pose of a space, evaluated. What the fast search proves must be what this
-// finds (METHOD.md section 6).
+// The oracle: every feasible lattice pose of a space, evaluated. What the fast search proves must be what
+// this finds (METHOD.md section 6).
 #pragma once
 
 #include <vector>
@@ -9,10 +9,12 @@
 
 namespace sextant {
 
-/// All feasible poses of `space` (one region per entry) with score >= threshold, best first, ties by the total
-/// order; suppressed ones (IoU > 0.5 with a better one that is kept) are left out, at most max_detections kept.
-/// upper_bound: the best score of what is neither kept nor suppressed, at least the threshold.
-SearchOutcome brute_force(const SearchProblem& problem, const std::vector<Region>& space, const SearchOptions& options);
+/// All feasible poses of `space` (one region per entry) with score >= threshold, best first, ties by the
+/// total order; suppressed ones (IoU > 0.5 with a better one that is kept) are left out, at most
+/// max_detections kept. upper_bound: the best score of what is neither kept nor suppressed, at least the
+/// threshold.
+SearchOutcome brute_force(const SearchProblem& problem, const std::vector<Region>& space,
+                          const SearchOptions& options);
 
 /// Calls visit(pose) for every lattice pose of a region, in the total order.
 template <typename Visit>

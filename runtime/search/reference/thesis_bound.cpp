@@ -16,7 +16,9 @@ struct Span {
   int lo, hi;
 };
 Span pixels(float lo, float hi, int limit) {
-  const auto clamp = [&](float v) { return std::clamp(v, -static_cast<float>(limit), 2 * static_cast<float>(limit)); };
+  const auto clamp = [&](float v) {
+    return std::clamp(v, -static_cast<float>(limit), 2 * static_cast<float>(limit));
+  };
   return {static_cast<int>(std::floor(clamp(lo))), static_cast<int>(std::ceil(clamp(hi)))};
 }
 
@@ -25,31 +27,38 @@ PixelRect projected(const Region& r, const FrameTables& tables, FloatRange u, Fl
   const auto focal = static_cast<float>(tables.camera().focal);
   const float near_scale = focal / lattice_distance(r.lo[kZ]);
   const float far_scale = focal / lattice_distance(r.hi[kZ]);
-  const Span x = pixels(lattice_pixel(r.lo[kX]) + std::min(near_scale * u.lo, far_scale * u.lo),
-                        lattice_pixel(r.hi[kX]) + std::max(near_scale * u.hi, far_scale * u.hi), tables.width());
-  const Span y = pixels(lattice_pixel(r.lo[kY]) + std::min(near_scale * v.lo, far_scale * v.lo),
-                        lattice_pixel(r.hi[kY]) + std::max(near_scale * v.hi, far_scale * v.hi), tables.height());
+  const Span x =
+      pixels(lattice_pixel(r.lo[kX]) + std::min(near_scale * u.lo, far_scale * u.lo),
+             lattice_pixel(r.hi[kX]) + std::max(near_scale * u.hi, far_scale * u.hi), tables.width());
+  const Span y =
+      pixels(lattice_pixel(r.lo[kY]) + std::min(near_scale * v.lo, far_scale * v.lo),
+             lattice_pixel(r.hi[kY]) + std::max(near_scale * v.hi, far_scale * v.hi), tables.height());
   return {x.lo, x.hi, y.lo, y.hi};
 }
 
-FloatRange angle_range(const Region& r, Dimension d) { return {lattice_angle(r.lo[d]), lattice_angle(r.hi[d])}; }
+FloatRange angle_range(const Region& r, Dimension d) {
+  return {lattice_angle(r.lo[d]), lattice_angle(r.hi[d])};
+}
 
 FloatRange part_range(const std::array<std::vector<float>, 4>& c, std::size_t i, const Region& r) {
-  return linear(c[0][i], c[1][i], c[2][i], c[3][i], angle_range(r, kRx), angle_range(r, kRy), angle_range(r, kRz));
+  return linear(c[0][i], c[1][i], c[2][i], c[3][i], angle_range(r, kRx), angle_range(r, kRy),
+                angle_range(r, kRz));
 }
 
 /// BOUND-VISUAL (Proc. 16), as a cost.
 float visual_cost(const VisualParts& parts, std::size_t i, const ThesisTables& tables, const Region& region) {
-  PixelRect r = projected(region, tables.frame(), part_range(parts.u, i, region), part_range(parts.v, i, region));
+  PixelRect r =
+      projected(region, tables.frame(), part_range(parts.u, i, region), part_range(parts.v, i, region));
   const auto focal = static_cast<float>(tables.frame().camera().focal);
-  const int reach = static_cast<int>(std::ceil(std::sqrt(parts.radius2[i]) * focal / lattice_distance(region.lo[kZ]))) + 1;
+  const int reach =
+      static_cast<int>(std::ceil(std::sqrt(parts.radius2[i]) * focal / lattice_distance(region.lo[kZ]))) + 1;
   r = {r.x0 - reach, r.x1 + reach, r.y0 - reach, r.y1 + reach};
   return tables.features(parts.kind[i], r) > 0 ? 0 : parts.radius2[i] * parts.weight[i];
 }
 
 /// BRUTE-FORCE-BOUND-DEPTH (Proc. 17), as a cost.
-float brute_force_depth_cost(const DepthParts& parts, std::size_t i, const FrameTables& tables, const PixelRect& r,
-                             FloatRange expected) {
+float brute_force_depth_cost(const DepthParts& parts, std::size_t i, const FrameTables& tables,
+                             const PixelRect& r, FloatRange expected) {
   float cost = parts.radius2[i] * parts.weight[i];
   const std::uint16_t* depth = tables.nearest_depth(0);
   for (int y = r.y0; y <= r.y1; ++y) {
@@ -69,14 +78,17 @@ float brute_force_depth_cost(const DepthParts& parts, std::size_t i, const Frame
 
 /// BOUND-DEPTH (Proc. 18), as a cost.
 float depth_cost(const DepthParts& parts, std::size_t i, const ThesisTables& tables, const Region& region) {
-  const PixelRect r = projected(region, tables.frame(), {parts.px[i], parts.px[i]}, {parts.py[i], parts.py[i]});
+  const PixelRect r =
+      projected(region, tables.frame(), {parts.px[i], parts.px[i]}, {parts.py[i], parts.py[i]});
   const FloatRange offset = part_range(parts.d, i, region);
-  const FloatRange expected{lattice_distance(region.lo[kZ]) + offset.lo, lattice_distance(region.hi[kZ]) + offset.hi};
+  const FloatRange expected{lattice_distance(region.lo[kZ]) + offset.lo,
+                            lattice_distance(region.hi[kZ]) + offset.hi};
   const std::int64_t area = static_cast<std::int64_t>(r.x1 - r.x0 + 1) * (r.y1 - r.y0 + 1);
   if (area < kBruteForceArea) return brute_force_depth_cost(parts, i, tables.frame(), r, expected);
   const float reach = std::sqrt(parts.radius2[i]) + FrameTables::kDepthUnit;
   if (tables.depths(r, expected.lo - reach, expected.hi + reach) > 0) return 0;
-  const bool outside = r.x0 < 0 || r.y0 < 0 || r.x1 >= tables.frame().width() || r.y1 >= tables.frame().height();
+  const bool outside =
+      r.x0 < 0 || r.y0 < 0 || r.x1 >= tables.frame().width() || r.y1 >= tables.frame().height();
   const float worst = parts.radius2[i] * parts.weight[i];
   return outside || tables.missing(r) > 0 ? std::min(worst, parts.missing_cost[i]) : worst;
 }

@@ -34,11 +34,14 @@ ThesisTables::ThesisTables(const FrameTables& tables)
     Sums& sums = features_[static_cast<std::size_t>(k)];
     sums.resize(plane);
     const std::uint16_t* distance = tables.distance2(k, 0);
-    accumulate(width_, height_, [&](int x, int y) { return distance[at(x, y)] == 0; }, sums.data());
+    accumulate(
+        width_, height_, [&](int x, int y) { return distance[at(x, y)] == 0; }, sums.data());
   }
   const std::uint16_t* depth = tables.nearest_depth(0);
   missing_.resize(plane);
-  accumulate(width_, height_, [&](int x, int y) { return depth[at(x, y)] == FrameTables::kMissing; }, missing_.data());
+  accumulate(
+      width_, height_, [&](int x, int y) { return depth[at(x, y)] == FrameTables::kMissing; },
+      missing_.data());
   slabs_ = static_cast<int>(FrameTables::kLargestDepth * FrameTables::kDepthUnit / kSlab) + 1;
   depths_.resize(plane * static_cast<std::size_t>(slabs_));
   for (int s = 0; s < slabs_; ++s) {
@@ -60,8 +63,9 @@ std::int64_t ThesisTables::sum(const Sums& sums, std::size_t offset, const Pixel
   const int y1 = std::clamp(r.y1 + 1, 0, height_);
   if (x0 >= x1 || y0 >= y1) return 0;
   const auto at = [&](int x, int y) {
-    return static_cast<std::int64_t>(sums[offset + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_ + 1) +
-                                          static_cast<std::size_t>(x)]);
+    return static_cast<std::int64_t>(
+        sums[offset + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_ + 1) +
+             static_cast<std::size_t>(x)]);
   };
   return at(x1, y1) - at(x0, y1) - at(x1, y0) + at(x0, y0);
 }
@@ -76,7 +80,9 @@ std::int64_t ThesisTables::depths(const PixelRect& r, float z0, float z1) const 
   const auto plane = static_cast<std::size_t>(width_ + 1) * static_cast<std::size_t>(height_ + 1);
   const int last = std::clamp(static_cast<int>(std::floor(z1 / kSlab)), -1, slabs_ - 1);
   const int before = std::clamp(static_cast<int>(std::floor(z0 / kSlab)) - 1, -1, slabs_ - 1);
-  const auto up_to = [&](int slab) { return slab < 0 ? 0 : sum(depths_, plane * static_cast<std::size_t>(slab), r); };
+  const auto up_to = [&](int slab) {
+    return slab < 0 ? 0 : sum(depths_, plane * static_cast<std::size_t>(slab), r);
+  };
   return up_to(last) - up_to(before);
 }
 

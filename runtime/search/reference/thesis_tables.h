@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The thesis's own tables (Davies 2015, sec. 5.2): summed area tables of the features of each kind, of missing
-// depth, and a 3-D one of depth in slabs of 5 cm. Kept as the baseline of tests and benchmarks.
+// The thesis's own tables (Davies 2015, sec. 5.2): summed area tables of the features of each kind, of
+// missing depth, and a 3-D one of depth in slabs of 5 cm. Kept as the baseline of tests and benchmarks.
 #pragma once
 
 #include <array>

@@ -46,7 +46,8 @@ TEST(BinLayout, CoversWhatTheCamerasCanSeeAndNoMore) {
     if (up.sine_of_elevation <= 0) continue;
     const double rx = up.rx / kDegree + within(-12, 12);
     const double ry = std::max(-90.0, up.ry / kDegree + within(-12, 12));
-    const auto found = std::find_if(boxes.begin(), boxes.end(), [&](const RotationBox& b) { return holds(b, rx, ry); });
+    const auto found =
+        std::find_if(boxes.begin(), boxes.end(), [&](const RotationBox& b) { return holds(b, rx, ry); });
     ASSERT_NE(found, boxes.end()) << rx << " " << ry;
     used.insert(static_cast<std::size_t>(found - boxes.begin()));
   }
@@ -69,7 +70,8 @@ TEST(BinLayout, SymmetryShortensTheTurntable) {
 
 TEST(BinLayout, OneBinIsCentredOnUpright) {
   const auto boxes = lay_out_bins(narrow(), 0);
-  EXPECT_TRUE(std::any_of(boxes.begin(), boxes.end(), [](const RotationBox& b) { return b.lo_deg[0] == -10; }));
+  EXPECT_TRUE(
+      std::any_of(boxes.begin(), boxes.end(), [](const RotationBox& b) { return b.lo_deg[0] == -10; }));
 }
 
 TEST(BinLayout, BinsDoNotOverlap) {

@@ -78,14 +78,15 @@ TEST(Compile, WhatWasLearntIsFoundAgain) {
   Renderer renderer;
   const int mesh = renderer.upload(object.mesh);
   const RigidTransform camera_from_object = transform_from_pose(p.camera, truth);
-  const RenderedView view =
-      renderer.render(p.camera, {0, 0, 320, 240}, {{mesh, camera_from_object}}, {{-0.5, -1, 0}, 0.5}, {150, 140, 130});
+  const RenderedView view = renderer.render(p.camera, {0, 0, 320, 240}, {{mesh, camera_from_object}},
+                                            {{-0.5, -1, 0}, 0.5}, {150, 140, 130});
   RgbdFrame frame;
   frame.colour = view.colour;
   frame.camera = {320, 240, 400, 400, 159.5, 119.5, {}};
   frame.axial_depth_m = view.ray_depth_m.clone();
   for (int y = 0; y < 240; ++y) {
-    for (int x = 0; x < 320; ++x) frame.axial_depth_m.at<float>(y, x) *= static_cast<float>(p.camera.ray(x, y).z());
+    for (int x = 0; x < 320; ++x)
+      frame.axial_depth_m.at<float>(y, x) *= static_cast<float>(p.camera.ray(x, y).z());
   }
   frame.table = table;
   for (const char* scoring : {"likelihood", "thesis"}) {
@@ -107,9 +108,20 @@ TEST(Compile, WhatWasLearntIsFoundAgain) {
 
 TEST(WorkerProcesses, BringErrorsAndDeathsHome) {
   const auto nothing = [](std::size_t, std::span<const std::byte>) {};
-  EXPECT_THROW(run_worker_processes(2, [](int w, const Deliver&) { if (w == 1) throw InputError("mesh", "bad"); }, nothing),
+  EXPECT_THROW(run_worker_processes(
+                   2,
+                   [](int w, const Deliver&) {
+                     if (w == 1) throw InputError("mesh", "bad");
+                   },
+                   nothing),
                InputError);
-  EXPECT_THROW(run_worker_processes(2, [](int w, const Deliver&) { if (w == 0) _exit(9); }, nothing), DeviceError);
+  EXPECT_THROW(run_worker_processes(
+                   2,
+                   [](int w, const Deliver&) {
+                     if (w == 0) _exit(9);
+                   },
+                   nothing),
+               DeviceError);
   std::vector<int> seen(64, 0);
   run_worker_processes(
       3,
@@ -117,7 +129,9 @@ TEST(WorkerProcesses, BringErrorsAndDeathsHome) {
         const std::vector<std::byte> big(100000, std::byte{7});
         for (std::size_t i = static_cast<std::size_t>(w); i < 64; i += 3) deliver(i, big);
       },
-      [&](std::size_t item, std::span<const std::byte> bytes) { seen.at(item) += bytes.size() == 100000 ? 1 : 100; });
+      [&](std::size_t item, std::span<const std::byte> bytes) {
+        seen.at(item) += bytes.size() == 100000 ? 1 : 100;
+      });
   for (const int n : seen) EXPECT_EQ(n, 1);
 }
 

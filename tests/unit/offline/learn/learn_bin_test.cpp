@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kRadius = 0.1;
 
-/// Views with one vertical edge pixel at offset 0.02 + 0.1 rx - 0.05 rz (tangent * metre), 0.01 up, and a depth of
-/// z - 0.03 + 0.04 ry on the left half of the object.
+/// Views with one vertical edge pixel at offset 0.02 + 0.1 rx - 0.05 rz (tangent * metre), 0.01 up, and a
+/// depth of z - 0.03 + 0.04 ry on the left half of the object.
 std::vector<TrainingView> known_views(const LearnParameters& p, const RotationBox& box) {
   std::mt19937 random(8);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -27,7 +27,12 @@ std::vector<TrainingView> known_views(const LearnParameters& p, const RotationBo
     const auto angle = [&](std::size_t a) {
       return (box.lo_deg[a] + (box.hi_deg[a] - box.lo_deg[a]) * unit(random)) * kLatticeAngle;
     };
-    v.pose = {300 + 20 * unit(random), 200 + 20 * unit(random), 0.5 + 0.3 * unit(random), angle(0), angle(1), angle(2)};
+    v.pose = {300 + 20 * unit(random),
+              200 + 20 * unit(random),
+              0.5 + 0.3 * unit(random),
+              angle(0),
+              angle(1),
+              angle(2)};
     const double scale = p.camera.focal / v.pose.z;
     const int half = static_cast<int>(scale * kRadius) + 8;
     v.window = {static_cast<int>(v.pose.x) - half, static_cast<int>(v.pose.y) - half, 2 * half, 2 * half};

@@ -9,8 +9,8 @@
 namespace sextant {
 namespace {
 
-// Five examples along rx only: b = 2 + 3 rx with residuals +1 -1 0 -1 +1 (orthogonal to 1 and rx), so the fit is exact
-// and the squared error is 4.
+// Five examples along rx only: b = 2 + 3 rx with residuals +1 -1 0 -1 +1 (orthogonal to 1 and rx), so the fit
+// is exact and the squared error is 4.
 TEST(LeastSquares, HandComputedLine) {
   LeastSquares sums(1, {true, true, false, false});
   const float residual[5] = {1, -1, 0, -1, 1};
@@ -42,7 +42,8 @@ TEST(LeastSquares, AgreesWithThePlainTwin) {
     a.row(i) << 1, noise(random), -0.6 + 0.1 * noise(random), 2 + 0.1 * noise(random);
     std::vector<float> labels(kLabels);
     for (int k = 0; k < kLabels; ++k) {
-      labels[static_cast<std::size_t>(k)] = static_cast<float>(0.05 * k + 0.1 * a(i, 1) - 0.02 * k * a(i, 3) + 0.01 * noise(random));
+      labels[static_cast<std::size_t>(k)] =
+          static_cast<float>(0.05 * k + 0.1 * a(i, 1) - 0.02 * k * a(i, 3) + 0.01 * noise(random));
       b(i, k) = labels[static_cast<std::size_t>(k)];
     }
     sums.add({a(i, 1), a(i, 2), a(i, 3)}, labels);

@@ -26,7 +26,8 @@ TEST(NearestFeature, IsExactAgainstBruteForce) {
     for (int y = 0; y < edges.rows; ++y) {
       for (int x = 0; x < edges.cols; ++x) {
         int best = 1 << 30;
-        for (const cv::Point& f : features) best = std::min(best, (f.x - x) * (f.x - x) + (f.y - y) * (f.y - y));
+        for (const cv::Point& f : features)
+          best = std::min(best, (f.x - x) * (f.x - x) + (f.y - y) * (f.y - y));
         const NearestFeature n = nearest[static_cast<std::size_t>(y * edges.cols + x)];
         ASSERT_EQ((n.column - x) * (n.column - x) + (n.row - y) * (n.row - y), best);
         ASSERT_EQ(edges.at<std::uint8_t>(n.row, n.column), 1U << 2);

@@ -28,13 +28,15 @@ TEST(SelectParts, TakesTheWantedNumberAsFarApartAsItCan) {
     EXPECT_LE(chosen[i].variance, 0.8);
     for (std::size_t k = 0; k < i; ++k) {
       EXPECT_LE(chosen[k].variance, chosen[i].variance);
-      if (chosen[i].kind == chosen[k].kind) nearest = std::min(nearest, (chosen[i].position - chosen[k].position).norm());
+      if (chosen[i].kind == chosen[k].kind)
+        nearest = std::min(nearest, (chosen[i].position - chosen[k].position).norm());
     }
   }
   // The largest whole spacing that works is below the smallest distance found, and one more does not work.
   auto sorted = candidates;
   std::erase_if(sorted, [](const PartCandidate& c) { return c.variance > 0.8; });
-  std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.variance < b.variance; });
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto& a, const auto& b) { return a.variance < b.variance; });
   int largest = 0;
   for (int d = 0; d <= kLargestSpacing; ++d) {
     if (select_greedily(sorted, d, 60).size() == 60) largest = d;

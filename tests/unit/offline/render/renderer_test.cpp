@@ -62,7 +62,8 @@ TEST(Renderer, RayDepthIsExactToATenthOfAMillimetreAtOneMetre) {
 TEST(Renderer, DrawsWhereTheCameraProjects) {
   Renderer renderer;
   const int mesh = renderer.upload(rectangle(0.02F, 0.02F));
-  for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(100, 50), Eigen::Vector2d(600, 400), Eigen::Vector2d(320, 240)}) {
+  for (const Eigen::Vector2d& pixel :
+       {Eigen::Vector2d(100, 50), Eigen::Vector2d(600, 400), Eigen::Vector2d(320, 240)}) {
     RigidTransform t = RigidTransform::Identity();
     t.translation() = kCamera.ray(pixel.x(), pixel.y()) * 1.0;
     const RenderedView view = renderer.render(kCamera, kWhole, {{mesh, t}}, {}, {0, 0, 0});
@@ -108,7 +109,8 @@ TEST(Renderer, NearerItemsHideFartherOnes) {
   near_one.translation().z() = 1;
   RigidTransform far_one = near_one;
   far_one.translation().z() = 2;
-  const RenderedView view = renderer.render(kCamera, kWhole, {{mesh, far_one}, {mesh, near_one}}, {}, {0, 0, 0});
+  const RenderedView view =
+      renderer.render(kCamera, kWhole, {{mesh, far_one}, {mesh, near_one}}, {}, {0, 0, 0});
   EXPECT_EQ(view.item.at<short>(240, 320), 1);
   EXPECT_NEAR(view.ray_depth_m.at<float>(240, 320), 1, 1e-3);
   EXPECT_EQ(view.item.at<short>(5, 5), -1);
@@ -134,7 +136,8 @@ TEST(Renderer, TheSameInAnyThread) {
   const RigidTransform t = transform_from_pose(kCamera, {300, 200, 1.0, 0.2, -1.0, 0.4});
   auto draw = [&t] {
     Renderer renderer;
-    return renderer.render(kCamera, kWhole, {{renderer.upload(rectangle(0.5F, 0.3F)), t}}, {}, {9, 9, 9}).ray_depth_m;
+    return renderer.render(kCamera, kWhole, {{renderer.upload(rectangle(0.5F, 0.3F)), t}}, {}, {9, 9, 9})
+        .ray_depth_m;
   };
   const cv::Mat here = draw();
   cv::Mat a;

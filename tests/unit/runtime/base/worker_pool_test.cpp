@@ -15,7 +15,11 @@ TEST(WorkerPool, DoesEveryItemOnceAndPassesErrorsOn) {
     pool.for_each(done.size(), [&](std::size_t i) { ++done[i]; });
     for (const auto& d : done) ASSERT_EQ(d, 1);
   }
-  EXPECT_THROW(pool.for_each(10, [](std::size_t i) { if (i == 7) throw std::runtime_error("seven"); }), std::runtime_error);
+  EXPECT_THROW(pool.for_each(10,
+                             [](std::size_t i) {
+                               if (i == 7) throw std::runtime_error("seven");
+                             }),
+               std::runtime_error);
   int after = 0;
   pool.for_each(1, [&](std::size_t) { ++after; });
   EXPECT_EQ(after, 1);

@@ -54,7 +54,8 @@ TEST(Rectified, MovesPixelsToTheIdealCamera) {
   for (const Eigen::Vector2d& tangent : {Eigen::Vector2d(0.2, -0.1), Eigen::Vector2d(-0.4, 0.3)}) {
     RgbdFrame f = plane_frame(c);
     const Eigen::Vector2d at = c.distorted_pixel(tangent);
-    f.colour(cv::Rect(static_cast<int>(std::lround(at.x())) - 1, static_cast<int>(std::lround(at.y())) - 1, 3, 3))
+    f.colour(
+         cv::Rect(static_cast<int>(std::lround(at.x())) - 1, static_cast<int>(std::lround(at.y())) - 1, 3, 3))
         .setTo(cv::Scalar(255, 255, 255));
     const SearchFrame s = rectified(f);
     const Eigen::Vector2d expected = s.camera.project({tangent.x(), tangent.y(), 1});

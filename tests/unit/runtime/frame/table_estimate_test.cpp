@@ -32,7 +32,8 @@ SearchFrame table_scene(const TableGeometry& table, unsigned seed, double table_
 
 TEST(TableEstimate, FindsTheTableUnderClutter) {
   for (unsigned seed = 0; seed < 12; ++seed) {
-    const TableGeometry truth = TableGeometry::from_pitch_roll(0.4 + 0.05 * seed, 0.02 * (seed % 5) - 0.04, 0.6 + 0.05 * seed);
+    const TableGeometry truth =
+        TableGeometry::from_pitch_roll(0.4 + 0.05 * seed, 0.02 * (seed % 5) - 0.04, 0.6 + 0.05 * seed);
     const auto e = estimate_table(table_scene(truth, seed, 0.8));
     ASSERT_TRUE(e.has_value());
     EXPECT_NEAR(e->table.camera_height_m, truth.camera_height_m, 0.004);
@@ -48,7 +49,8 @@ TEST(TableEstimate, RefusesWhereThereIsNoTable) {
   EXPECT_FALSE(estimate_table(f).has_value());
   std::mt19937 random(1);
   for (int y = 0; y < 240; ++y) {
-    for (int x = 0; x < 320; ++x) f.ray_depth_m.at<float>(y, x) = 0.3F + 2e-4F * static_cast<float>(random() % 10000);
+    for (int x = 0; x < 320; ++x)
+      f.ray_depth_m.at<float>(y, x) = 0.3F + 2e-4F * static_cast<float>(random() % 10000);
   }
   EXPECT_FALSE(estimate_table(f).has_value());
 }

@@ -71,7 +71,8 @@ TEST(Suppression, ARegionIsSuppressedOnlyIfEveryPoseIs) {
       if (!suppressed_everywhere(bin, p.camera().focal, r, detection)) continue;
       ++suppressed;
       for (int k = 0; k < 50; ++k) {
-        ASSERT_GT(intersection_over_union(box_of(bin, p.camera().focal, p.pose_in(r)), detection), kSuppressionIou);
+        ASSERT_GT(intersection_over_union(box_of(bin, p.camera().focal, p.pose_in(r)), detection),
+                  kSuppressionIou);
       }
     }
   }

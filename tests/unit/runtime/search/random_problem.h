@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random frames and models for property tests of the search: sparse edges, stepped depth with holes, parts that
-// partly fall outside of the image.
+// Random frames and models for property tests of the search: sparse edges, stepped depth with holes, parts
+// that partly fall outside of the image.
 #pragma once
 
 #include <opencv2/imgproc.hpp>
@@ -39,8 +39,8 @@ class RandomProblem {
     r.bin = whole(0, static_cast<int>(bins_.size()) - 1);
     const RotationBox& box = bins_[static_cast<std::size_t>(r.bin)].box;
     const std::array<int, 6> lo{0, 0, 200, box.lo_deg[0], box.lo_deg[1], box.lo_deg[2]};
-    const std::array<int, 6> hi{camera_.width - 1, camera_.height - 1, 700, box.hi_deg[0] - 1, box.hi_deg[1] - 1,
-                                box.hi_deg[2] - 1};
+    const std::array<int, 6> hi{camera_.width - 1, camera_.height - 1, 700,
+                                box.hi_deg[0] - 1, box.hi_deg[1] - 1,  box.hi_deg[2] - 1};
     for (std::size_t d = 0; d < 6; ++d) {
       const int a = whole(lo[d], hi[d]);
       r.lo[d] = static_cast<std::int16_t>(a);
@@ -76,7 +76,8 @@ class RandomProblem {
       const cv::Rect r(whole(0, camera_.width - 8), whole(0, camera_.height - 8), whole(3, 24), whole(3, 24));
       const double depth = i % 3 == 0 ? 0 : uniform(0.6, 1.0);
       cv::rectangle(frame_.ray_depth_m, r, cv::Scalar(depth), cv::FILLED);
-      cv::rectangle(frame_.colour, r, cv::Scalar(uniform(0, 255), uniform(0, 255), uniform(0, 255)), cv::FILLED);
+      cv::rectangle(frame_.colour, r, cv::Scalar(uniform(0, 255), uniform(0, 255), uniform(0, 255)),
+                    cv::FILLED);
     }
     edges_ = edges_by_direction(frame_.colour);
     WorkerPool serial(1);

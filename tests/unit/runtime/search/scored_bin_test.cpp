@@ -51,12 +51,14 @@ TEST(Evaluate, IsTheThesisFormulaByHand) {
   const LatticePose pose{0, {50, 40, 500, 0, 0, 0}};
   const auto bins = score_bins(one_bin(v, d), Scoring::kThesis);
   EXPECT_EQ(bins[0].offset, 0);
-  EXPECT_NEAR(evaluate(bins[0], frame.tables, pose), -(0.03 * 0.03) / (2 * 0.0004) - (0.012 * 0.012) / (2 * 0.0001), 1e-3);
+  EXPECT_NEAR(evaluate(bins[0], frame.tables, pose),
+              -(0.03 * 0.03) / (2 * 0.0004) - (0.012 * 0.012) / (2 * 0.0001), 1e-3);
 
   v.u[0] = 0.0F;  // 10 px from the edge: beyond the receptive field
   d.px = -0.05F;  // the hole in the depth
   const auto missed = score_bins(one_bin(v, d), Scoring::kThesis);
-  EXPECT_NEAR(evaluate(missed[0], frame.tables, pose), -(0.05 * 0.05) / (2 * 0.0004) - (0.01 * 0.01) / (2 * 0.0001), 1e-3);
+  EXPECT_NEAR(evaluate(missed[0], frame.tables, pose),
+              -(0.05 * 0.05) / (2 * 0.0004) - (0.01 * 0.01) / (2 * 0.0001), 1e-3);
   EXPECT_NEAR(missed[0].worst, -(0.05 * 0.05) / (2 * 0.0004) - (0.02 * 0.02) / (2 * 0.0001), 1e-3);
 }
 

@@ -15,7 +15,8 @@ cv::Mat random_edges(std::mt19937& random, int width, int height, unsigned rarit
   cv::Mat edges = cv::Mat::zeros(height, width, CV_8UC1);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      if (random() % rarity == 0) edges.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(1U << (random() % 8));
+      if (random() % rarity == 0)
+        edges.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(1U << (random() % 8));
     }
   }
   return edges;
@@ -35,7 +36,8 @@ TEST(DistanceTransform, IsExactWithinTheClipRadius) {
           int best = 1 << 30;
           for (int v = 0; v < h; ++v) {
             for (int u = 0; u < w; ++u) {
-              if (edges.at<std::uint8_t>(v, u) & 8U) best = std::min(best, (u - x) * (u - x) + (v - y) * (v - y));
+              if (edges.at<std::uint8_t>(v, u) & 8U)
+                best = std::min(best, (u - x) * (u - x) + (v - y) * (v - y));
             }
           }
           const int expected = best <= clip * clip ? best : 65535;
@@ -56,7 +58,8 @@ struct RandomTables {
     frame.ray_depth_m = cv::Mat::zeros(40, 50, CV_32FC1);
     for (int y = 0; y < 40; ++y) {
       for (int x = 0; x < 50; ++x) {
-        if (random() % 6) frame.ray_depth_m.at<float>(y, x) = 0.4F + 2.4e-8F * static_cast<float>(random() % 100000000);
+        if (random() % 6)
+          frame.ray_depth_m.at<float>(y, x) = 0.4F + 2.4e-8F * static_cast<float>(random() % 100000000);
       }
     }
     frame.ray_depth_m.at<float>(3, 3) = 50;  // deeper than the table can say
