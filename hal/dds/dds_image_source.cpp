@@ -77,14 +77,15 @@ class DdsImageSource final : public ImageSource {
   void accept(const void* sample, std::optional<RawImage>& newest) {
     try {
       const CaptureStamp clocks = read_clocks();
-      RawImage image = raw_image_of(*static_cast<const ImageMessage*>(sample), options_.kind, clocks,
-                                    options_.topic);
+      RawImage image =
+          raw_image_of(*static_cast<const ImageMessage*>(sample), options_.kind, clocks, options_.topic);
       if (options_.stamp_on_arrival) image.captured = clocks;
       const auto off = image.captured.realtime - clocks.realtime;
       if (off > options_.believable || off < -options_.believable) {
         drop(DropReason::kBadTime,
-             fmt::format("stamps of {} are {:.1f} s off our clock; synchronise the clocks, or stamp on arrival",
-                         options_.topic, std::chrono::duration<double>(off).count()));
+             fmt::format(
+                 "stamps of {} are {:.1f} s off our clock; synchronise the clocks, or stamp on arrival",
+                 options_.topic, std::chrono::duration<double>(off).count()));
         return;
       }
       if (newest) drop(DropReason::kSuperseded, "");
@@ -111,10 +112,10 @@ class DdsImageSource final : public ImageSource {
     }
     silent_ = now - last_ > kSilence;
     statistics_.reconnects = subscription_.recreated();
-    condition_ = !refusal_.empty()       ? refusal_
-                 : !silent_              ? ""
+    condition_ = !refusal_.empty()      ? refusal_
+                 : !silent_             ? ""
                  : !waiting_for.empty() ? waiting_for
-                                         : options_.topic + " is silent";
+                                        : options_.topic + " is silent";
   }
 
   const DdsImageOptions options_;

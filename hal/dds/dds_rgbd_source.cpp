@@ -80,7 +80,8 @@ class DdsRgbdSource final : public FrameSource {
   explicit DdsRgbdSource(const DdsRgbdOptions& options)
       : options_(options), participant_(std::make_shared<DdsParticipant>(options.domain)) {
     for (const std::string& topic : {options.colour_topic, options.depth_topic}) {
-      if (!is_ros_topic(topic)) throw UsageError("\"" + topic + "\" is no image topic", "for example camera/color/image_raw");
+      if (!is_ros_topic(topic))
+        throw UsageError("\"" + topic + "\" is no image topic", "for example camera/color/image_raw");
     }
     if (options_.calibration) {
       start(*options_.calibration, options_.pairing.frame_id);
@@ -149,7 +150,8 @@ class DdsRgbdSource final : public FrameSource {
   void follow_calibration(milliseconds timeout) {
     if (options_.calibration) return;
     const bool waiting = !pairs_now();
-    const bool new_colour = colour_info_->update(waiting && !colour_info_->info() ? timeout : milliseconds(0));
+    const bool new_colour =
+        colour_info_->update(waiting && !colour_info_->info() ? timeout : milliseconds(0));
     const bool new_depth = depth_info_->update(waiting && colour_info_->info() ? timeout : milliseconds(0));
     tf_->update();
     if (!waiting && !new_colour && !new_depth) return;
@@ -181,8 +183,8 @@ class DdsRgbdSource final : public FrameSource {
       }
     }
     try {
-      start(calibration, options_.pairing.frame_id.empty() ? colour_info_->info()->frame
-                                                           : options_.pairing.frame_id);
+      start(calibration,
+            options_.pairing.frame_id.empty() ? colour_info_->info()->frame : options_.pairing.frame_id);
     } catch (const InputError& error) {
       say(error.what());
     }

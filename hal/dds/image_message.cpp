@@ -115,16 +115,18 @@ RawImage raw_image_of(const ImageMessage& m, ImageKind kind, const CaptureStamp&
   const Encoding& encoding = encoding_of(m.encoding, kind, topic);
   frame_of(m.header.frame_id, topic);
   if (m.width < kLeastSide || m.height < kLeastSide || m.width > kMostSide || m.height > kMostSide) {
-    throw InputError(topic, fmt::format("an image of {} x {} pixels", m.width, m.height), "16..16384 are read");
+    throw InputError(topic, fmt::format("an image of {} x {} pixels", m.width, m.height),
+                     "16..16384 are read");
   }
   const auto width = static_cast<int>(m.width);
   const auto height = static_cast<int>(m.height);
   const std::size_t least =
       encoding.has_alpha ? std::size_t{4} * m.width : least_stride(encoding.format, width);
   if (m.step < least) {
-    throw InputError(topic, fmt::format("a step of {} bytes is too short for {} pixels of {}", m.step, m.width,
-                                        encoding.name),
-                     "message ignored");
+    throw InputError(
+        topic,
+        fmt::format("a step of {} bytes is too short for {} pixels of {}", m.step, m.width, encoding.name),
+        "message ignored");
   }
   const std::size_t bytes = std::size_t{m.step} * m.height;
   if (bytes > kMostBytes || m.data._length != bytes || m.data._buffer == nullptr) {
@@ -162,9 +164,9 @@ CameraModel camera_of(const CameraInfoMessage& m, const std::string& topic) {
   };
   require(m.width <= kMostSide && m.height <= kMostSide, "an absurd image size", "message ignored");
   require(m.binning_x <= 1 && m.binning_y <= 1, "the camera bins pixels", "switch binning off");
-  const bool whole = (m.roi.width == 0 && m.roi.height == 0) ||
-                     (m.roi.width == m.width && m.roi.height == m.height && m.roi.x_offset == 0 &&
-                      m.roi.y_offset == 0);
+  const bool whole =
+      (m.roi.width == 0 && m.roi.height == 0) ||
+      (m.roi.width == m.width && m.roi.height == m.height && m.roi.x_offset == 0 && m.roi.y_offset == 0);
   require(whole, "the camera sends a region of interest", "let it send whole images");
   require(m.k[0] != 0, "the camera is not calibrated (K is 0)", "calibrate it, or give a calibration file");
   require(m.k[1] == 0 && m.k[3] == 0 && m.k[6] == 0 && m.k[7] == 0 && m.k[8] == 1,

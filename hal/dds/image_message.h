@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// sensor_msgs/Image and CameraInfo from the wire, hostile until checked, as the images and calibrations of the
-// hardware layer.
+// sensor_msgs/Image and CameraInfo from the wire, hostile until checked, as the images and calibrations of
+// the hardware layer.
 #pragma once
 
 #include <memory>
@@ -23,9 +23,10 @@ enum class ImageKind : std::uint8_t { kColour, kDepth };
 /// yuyv), 8UC1, 8UC3; depth 16UC1 (also mono16), 32FC1.
 std::vector<std::string> known_encodings(ImageKind kind);
 
-/// An Image message that keeps its promises, copied out of the message: encoding of the kind, 16..16384 pixels a
-/// side, step and data of the size that follows. Big-endian values are swapped, alpha is dropped. captured is the
-/// header's stamp; its monotonic time by `clocks`. sequence stays 0. Throws InputError(topic).
+/// An Image message that keeps its promises, copied out of the message: encoding of the kind, 16..16384
+/// pixels a side, step and data of the size that follows. Big-endian values are swapped, alpha is dropped.
+/// captured is the header's stamp; its monotonic time by `clocks`. sequence stays 0. Throws
+/// InputError(topic).
 RawImage raw_image_of(const ImageMessage& message, ImageKind kind, const CaptureStamp& clocks,
                       const std::string& topic);
 

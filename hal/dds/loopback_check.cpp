@@ -68,7 +68,8 @@ LoopbackResult check_dds_loopback(unsigned domain, const std::string& settings) 
   dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 5);
   dds_entity_t topics[2]{};
   for (int i = 0; i < 2; ++i) {
-    topics[i] = dds_create_topic(participants[i], &sensor_msgs_msg_dds__Image__desc, topic.c_str(), nullptr, nullptr);
+    topics[i] =
+        dds_create_topic(participants[i], &sensor_msgs_msg_dds__Image__desc, topic.c_str(), nullptr, nullptr);
   }
   const dds_entity_t writer = dds_create_writer(participants[0], topics[0], qos, nullptr);
   const dds_entity_t reader = dds_create_reader(participants[1], topics[1], qos, nullptr);
@@ -114,7 +115,8 @@ LoopbackResult check_dds_loopback(unsigned domain, const std::string& settings) 
   image.data = {static_cast<std::uint32_t>(kBytes), static_cast<std::uint32_t>(kBytes), data.data(), false};
   for (int i = 0; i < kImages; ++i) {
     const std::int64_t ns = now_ns();
-    image.header.stamp = {static_cast<std::int32_t>(ns / 1'000'000'000), static_cast<std::uint32_t>(ns % 1'000'000'000)};
+    image.header.stamp = {static_cast<std::int32_t>(ns / 1'000'000'000),
+                          static_cast<std::uint32_t>(ns % 1'000'000'000)};
     if (dds_write(writer, &image) == DDS_RETCODE_OK) ++result.sent;
     const auto next = Clock::now() + kPeriod;
     while (Clock::now() < next) {
@@ -124,7 +126,8 @@ LoopbackResult check_dds_loopback(unsigned domain, const std::string& settings) 
   }
   result.received = static_cast<int>(ages_ms.size());
   if (!ages_ms.empty()) {
-    std::nth_element(ages_ms.begin(), ages_ms.begin() + static_cast<std::ptrdiff_t>(ages_ms.size() / 2), ages_ms.end());
+    std::nth_element(ages_ms.begin(), ages_ms.begin() + static_cast<std::ptrdiff_t>(ages_ms.size() / 2),
+                     ages_ms.end());
     result.median_ms = ages_ms[ages_ms.size() / 2];
   }
   return result;

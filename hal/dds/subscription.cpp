@@ -43,7 +43,8 @@ bool is_ros_topic(const std::string& name) {
   bool token_starts = true;
   for (const char c : name) {
     const auto u = static_cast<unsigned char>(c);
-    if (token_starts ? !(std::isalpha(u) || c == '_') : !(std::isalnum(u) || c == '_' || c == '/')) return false;
+    if (token_starts ? !(std::isalpha(u) || c == '_') : !(std::isalnum(u) || c == '_' || c == '/'))
+      return false;
     token_starts = c == '/';
   }
   return true;
@@ -53,10 +54,10 @@ DdsParticipant::DdsParticipant(unsigned domain) {
   if (domain > kHighestDomain) {
     throw UsageError("DDS domain " + std::to_string(domain) + " does not exist", "use 0..230");
   }
-  handle_ = check(dds_create_participant(domain, nullptr, nullptr),
-                  "cannot join domain " + std::to_string(domain),
-                  "check the network and the file or text in CYCLONEDDS_URI (config/cyclonedds.xml is for one "
-                  "machine)");
+  handle_ =
+      check(dds_create_participant(domain, nullptr, nullptr), "cannot join domain " + std::to_string(domain),
+            "check the network and the file or text in CYCLONEDDS_URI (config/cyclonedds.xml is for one "
+            "machine)");
 }
 
 DdsParticipant::~DdsParticipant() { dds_delete(handle_); }
@@ -71,9 +72,8 @@ Subscription::Subscription(std::shared_ptr<const DdsParticipant> participant, Su
                      "use letters, digits, _ and /, not starting with / or a digit");
   }
   const dds_entity_t owner = participant_->get();
-  topic_ = check(
-      dds_create_topic(owner, options_.type, ("rt/" + options_.topic).c_str(), nullptr, nullptr),
-      "cannot create topic " + options_.topic);
+  topic_ = check(dds_create_topic(owner, options_.type, ("rt/" + options_.topic).c_str(), nullptr, nullptr),
+                 "cannot create topic " + options_.topic);
   waitset_ = check(dds_create_waitset(owner), "cannot create a waitset");
   guard_ = check(dds_create_guardcondition(owner), "cannot create a guard condition");
   check(dds_waitset_attach(waitset_, guard_, 0), "cannot wait");
@@ -153,7 +153,8 @@ std::string Subscription::condition() const {
   if (dds_get_requested_incompatible_qos_status(reader_, &incompatible) == DDS_RETCODE_OK &&
       incompatible.total_count > 0) {
     return "a publisher of " + options_.topic + " offers too little (QoS policy " +
-           std::to_string(incompatible.last_policy_id) + (options_.latched ? "; it must be transient-local)" : ")");
+           std::to_string(incompatible.last_policy_id) +
+           (options_.latched ? "; it must be transient-local)" : ")");
   }
   return "nobody publishes " + options_.topic;
 }

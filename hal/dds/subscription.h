@@ -30,16 +30,19 @@ class DdsParticipant {
 
 /// What to read.
 struct SubscriptionOptions {
-  std::string topic;                           ///< as ROS 2 names it, without a leading "/"
+  std::string topic;  ///< as ROS 2 names it, without a leading "/"
   const dds_topic_descriptor_t* type = nullptr;
-  std::string type_hash;                       ///< REP-2011, told to ROS 2
-  int depth = 5;                               ///< keep-last history
-  bool latched = false;  ///< transient-local and reliable: tf_static and the like
-  /// Without a message for so long although a writer is there (or was), the reader is made anew; every further
-  /// time in vain doubles the wait, up to 30 s. 0: never. Latched topics are not watched: they are silent.
+  std::string type_hash;  ///< REP-2011, told to ROS 2
+  int depth = 5;          ///< keep-last history
+  bool latched = false;   ///< transient-local and reliable: tf_static and the like
+  /// Without a message for so long although a writer is there (or was), the reader is made anew; every
+  /// further time in vain doubles the wait, up to 30 s. 0: never. Latched topics are not watched: they are
+  /// silent.
   std::chrono::milliseconds starved_after{2000};
   /// The watchdog's clock; tests inject theirs.
-  std::function<std::chrono::steady_clock::time_point()> now = [] { return std::chrono::steady_clock::now(); };
+  std::function<std::chrono::steady_clock::time_point()> now = [] {
+    return std::chrono::steady_clock::now();
+  };
 };
 
 /// One thread calls wait_and_take(); wake() may come from any.

@@ -16,7 +16,8 @@ constexpr double kFarthest = 1e6;  ///< metres
 
 RigidTransform between(const std::pair<CaptureTime, RigidTransform>& a,
                        const std::pair<CaptureTime, RigidTransform>& b, CaptureTime at) {
-  const double share = std::chrono::duration<double>(at - a.first) / std::chrono::duration<double>(b.first - a.first);
+  const double share =
+      std::chrono::duration<double>(at - a.first) / std::chrono::duration<double>(b.first - a.first);
   RigidTransform t = RigidTransform::Identity();
   const Eigen::Quaterniond qa(a.second.linear());
   const Eigen::Quaterniond qb(b.second.linear());
@@ -28,13 +29,15 @@ RigidTransform between(const std::pair<CaptureTime, RigidTransform>& a,
 bool is_rigid(const RigidTransform& t) {
   const Eigen::Matrix3d r = t.linear();
   return t.matrix().allFinite() && t.translation().norm() < kFarthest &&
-         (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3 && r.determinant() > 0;
+         (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3 &&
+         r.determinant() > 0;
 }
 
 }  // namespace
 
 bool TfBuffer::add(const StampedTransform& t, bool is_static) {
-  if (t.child.empty() || t.parent.empty() || t.child == t.parent || !is_rigid(t.parent_from_child)) return false;
+  if (t.child.empty() || t.parent.empty() || t.child == t.parent || !is_rigid(t.parent_from_child))
+    return false;
   const auto found = nodes_.find(t.child);
   if (found == nodes_.end() && nodes_.size() >= kMostFrames) return false;
   Node& node = nodes_[t.child];
@@ -83,8 +86,8 @@ tl::expected<RigidTransform, std::string> TfBuffer::at_time(const std::string& c
   return between(*(after - 1), *after, at);
 }
 
-tl::expected<RigidTransform, std::string> TfBuffer::lookup(const std::string& target, const std::string& source,
-                                                           CaptureTime at,
+tl::expected<RigidTransform, std::string> TfBuffer::lookup(const std::string& target,
+                                                           const std::string& source, CaptureTime at,
                                                            std::chrono::milliseconds max_age) const {
   // Ancestors of a frame, itself first.
   const auto chain = [&](const std::string& frame) {
@@ -103,8 +106,8 @@ tl::expected<RigidTransform, std::string> TfBuffer::lookup(const std::string& ta
   if (shared == from.end()) {
     return tl::make_unexpected(fmt::format("no transform connects {} and {}", source, target));
   }
-  const auto up_to_shared = [&](const std::vector<std::string>& frames)
-      -> tl::expected<RigidTransform, std::string> {
+  const auto up_to_shared =
+      [&](const std::vector<std::string>& frames) -> tl::expected<RigidTransform, std::string> {
     RigidTransform shared_from_frame = RigidTransform::Identity();
     for (const std::string& frame : frames) {
       if (frame == *shared) break;

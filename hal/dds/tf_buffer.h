@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tree of frames that tf and tf_static describe, as far as we need it: where one frame was in another at a
-// time, with a limit on how old the answer may be.
+// The tree of frames that tf and tf_static describe, as far as we need it: where one frame was in another at
+// a time, with a limit on how old the answer may be.
 #pragma once
 
 #include <chrono>
@@ -39,8 +39,8 @@ class TfBuffer {
     bool is_static = false;
     std::deque<std::pair<CaptureTime, RigidTransform>> history;  ///< ascending times
   };
-  tl::expected<RigidTransform, std::string> at_time(const std::string& child, const Node& node, CaptureTime at,
-                                                    std::chrono::milliseconds max_age) const;
+  tl::expected<RigidTransform, std::string> at_time(const std::string& child, const Node& node,
+                                                    CaptureTime at, std::chrono::milliseconds max_age) const;
 
   std::map<std::string, Node> nodes_;  ///< by child
 };

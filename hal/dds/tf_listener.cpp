@@ -71,10 +71,11 @@ void TfListener::take_transforms(Subscription& subscription, bool is_static) {
         const auto transform = transform_of(t.transform.translation, t.transform.rotation);
         const bool good =
             transform &&
-            buffer_.add({frame_of(t.header.frame_id, subscription.topic()),
-                         frame_of(t.child_frame_id, subscription.topic()),
-                         time_of(t.header.stamp.sec, t.header.stamp.nanosec, subscription.topic()), *transform},
-                        is_static);
+            buffer_.add(
+                {frame_of(t.header.frame_id, subscription.topic()),
+                 frame_of(t.child_frame_id, subscription.topic()),
+                 time_of(t.header.stamp.sec, t.header.stamp.nanosec, subscription.topic()), *transform},
+                is_static);
         refused_ += good ? 0U : 1U;
       } catch (const std::exception&) {
         ++refused_;
@@ -92,11 +93,11 @@ void TfListener::update() {
     try {
       const auto transform = transform_of(message.pose.position, message.pose.orientation);
       const bool good =
-          transform && buffer_.add({frame_of(message.header.frame_id, pose_->topic()), options_.pose_child,
-                                    time_of(message.header.stamp.sec, message.header.stamp.nanosec,
-                                            pose_->topic()),
-                                    *transform},
-                                   false);
+          transform &&
+          buffer_.add(
+              {frame_of(message.header.frame_id, pose_->topic()), options_.pose_child,
+               time_of(message.header.stamp.sec, message.header.stamp.nanosec, pose_->topic()), *transform},
+              false);
       refused_ += good ? 0U : 1U;
     } catch (const std::exception&) {
       ++refused_;

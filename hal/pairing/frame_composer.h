@@ -17,7 +17,7 @@ namespace sextant {
 /// How two cameras see.
 struct RgbdCalibration {
   CameraModel colour;
-  CameraModel depth;  ///< ignored where depth_is_registered
+  CameraModel depth;                                              ///< ignored where depth_is_registered
   RigidTransform colour_from_depth = RigidTransform::Identity();  ///< metres
   bool depth_is_registered = false;  ///< the device has registered it: same size, same calibration as colour
 };

@@ -163,10 +163,10 @@ class PairedSource final : public FrameSource {
     const CameraModel& camera =
         colour || calibration.depth_is_registered ? calibration.colour : calibration.depth;
     if (raw.width != camera.width || raw.height != camera.height) {
-      count(DropReason::kRefused,
-            std::string(colour ? "colour" : "depth") + " images are " + std::to_string(raw.width) + " x " +
-                std::to_string(raw.height) + ", the calibration is for " + std::to_string(camera.width) + " x " +
-                std::to_string(camera.height));
+      count(DropReason::kRefused, std::string(colour ? "colour" : "depth") + " images are " +
+                                      std::to_string(raw.width) + " x " + std::to_string(raw.height) +
+                                      ", the calibration is for " + std::to_string(camera.width) + " x " +
+                                      std::to_string(camera.height));
       return;
     }
     const std::string where = streams_[index(stream)]->name();

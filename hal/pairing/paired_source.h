@@ -35,7 +35,8 @@ struct PairedSourceOptions {
 /// statistics(): delivered pairs; unpaired images of both streams; images of another size than calibrated
 /// (refused) and undecodable ones (damaged); reconnects and drops of the two streams themselves are added.
 /// state(): kWaiting while one of them waits (condition() says which and why), kEnded when one has ended.
-/// next() throws DeviceError when a stream has died for good. Throws InputError for an impossible calibration.
+/// next() throws DeviceError when a stream has died for good. Throws InputError for an impossible
+/// calibration.
 std::unique_ptr<FrameSource> pair_streams(std::unique_ptr<ImageSource> colour,
                                           std::unique_ptr<ImageSource> depth, PairedSourceOptions options);
 

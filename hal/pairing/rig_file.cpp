@@ -23,9 +23,11 @@ constexpr std::size_t kMaxBytes = 64 << 10;
 /// A map of the file; every error names file, line and key.
 class Section {
  public:
-  Section(const YAML::Node& node, std::string name, const std::string& file, std::initializer_list<const char*> keys)
+  Section(const YAML::Node& node, std::string name, const std::string& file,
+          std::initializer_list<const char*> keys)
       : node_(node), name_(std::move(name)), file_(file) {
-    if (!node_.IsMap()) refuse(node_, (name_.empty() ? "the file" : name_) + " must be a list of \"key: value\"");
+    if (!node_.IsMap())
+      refuse(node_, (name_.empty() ? "the file" : name_) + " must be a list of \"key: value\"");
     for (const auto& item : node_) {
       const std::string key = item.first.IsScalar() ? item.first.Scalar().substr(0, 60) : "";
       if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
@@ -53,20 +55,23 @@ class Section {
   bool flag(const char* key) const {
     if (!has(key)) return false;
     bool value = false;
-    if (!YAML::convert<bool>::decode(get(key), value)) refuse(get(key), label(key) + " must be true or false");
+    if (!YAML::convert<bool>::decode(get(key), value))
+      refuse(get(key), label(key) + " must be true or false");
     return value;
   }
   std::vector<double> numbers(const char* key, std::size_t least, std::size_t most, double limit) const {
     const YAML::Node list = get(key);
     if (!list.IsSequence() || list.size() < least || list.size() > most) {
-      refuse(list, fmt::format("{} must be a list of {} numbers", label(key),
-                               least == most ? fmt::format("{}", most) : fmt::format("{} to {}", least, most)));
+      refuse(list,
+             fmt::format("{} must be a list of {} numbers", label(key),
+                         least == most ? fmt::format("{}", most) : fmt::format("{} to {}", least, most)));
     }
     std::vector<double> out;
     for (const auto& item : list) out.push_back(number(item, key, -limit, limit));
     return out;
   }
-  [[noreturn]] void refuse(const YAML::Node& at, const std::string& what, const std::string& advice = "") const {
+  [[noreturn]] void refuse(const YAML::Node& at, const std::string& what,
+                           const std::string& advice = "") const {
     const YAML::Mark mark = at.Mark();
     throw InputError(mark.is_null() ? file_ : fmt::format("{}:{}", file_, mark.line + 1), what, advice);
   }
@@ -138,18 +143,20 @@ DepthScale scale_of(const Section& depth) {
 
 RigFile interpret(const YAML::Node& root, const std::string& file) {
   RigFile rig;
-  const Section top(root, "", file, {"colour", "depth", "colour_from_depth", "tolerance_ms", "shared_sequence"});
+  const Section top(root, "", file,
+                    {"colour", "depth", "colour_from_depth", "tolerance_ms", "shared_sequence"});
   const Section colour(top.get("colour"), "colour", file,
                        {"width", "height", "fx", "fy", "cx", "cy", "distortion"});
   const Section depth(top.get("depth"), "depth", file,
-                      {"width", "height", "fx", "fy", "cx", "cy", "distortion", "registered", "metres_per_unit",
-                       "nearest_m", "farthest_m", "encoding"});
+                      {"width", "height", "fx", "fy", "cx", "cy", "distortion", "registered",
+                       "metres_per_unit", "nearest_m", "farthest_m", "encoding"});
   rig.calibration.colour = camera_of(colour, file + ": colour");
   rig.calibration.depth_is_registered = depth.flag("registered");
   rig.depth_scale = scale_of(depth);
   if (rig.calibration.depth_is_registered) {
     if (top.has("colour_from_depth")) {
-      top.refuse(top.get("colour_from_depth"), "registered depth has no colour_from_depth", "remove one of them");
+      top.refuse(top.get("colour_from_depth"), "registered depth has no colour_from_depth",
+                 "remove one of them");
     }
   } else {
     rig.calibration.depth = camera_of(depth, file + ": depth");
@@ -157,7 +164,8 @@ RigFile interpret(const YAML::Node& root, const std::string& file) {
         Section(top.get("colour_from_depth"), "colour_from_depth", file, {"translation_m", "rotation"}));
   }
   rig.synchroniser.tolerance = std::chrono::nanoseconds(
-      std::llround(1e6 * top.number("tolerance_ms", 0, 1000, 1e-6 * static_cast<double>(rig.synchroniser.tolerance.count()))));
+      std::llround(1e6 * top.number("tolerance_ms", 0, 1000,
+                                    1e-6 * static_cast<double>(rig.synchroniser.tolerance.count()))));
   rig.synchroniser.shared_sequence = top.flag("shared_sequence");
   return rig;
 }
@@ -168,7 +176,8 @@ RigFile read_rig_file(const std::filesystem::path& file) {
   const std::string where = file.string();
   const std::vector<std::byte> bytes = read_file_bytes(file, kMaxBytes);
   try {
-    return interpret(YAML::Load(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())), where);
+    return interpret(YAML::Load(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())),
+                     where);
   } catch (const YAML::Exception& error) {
     throw InputError(error.mark.is_null() ? where : fmt::format("{}:{}", where, error.mark.line + 1),
                      "is not valid YAML (" + error.msg + ")");

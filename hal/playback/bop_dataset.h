@@ -26,10 +26,11 @@ struct BopGt {
 struct BopImage {
   int scene_id = 0;
   int image_id = 0;
-  std::filesystem::path colour;        ///< rgb/ or gray/, .png or .jpg; the first guess where none exists
-  std::filesystem::path depth;         ///< depth/, .png
+  std::filesystem::path colour;  ///< rgb/ or gray/, .png or .jpg; the first guess where none exists
+  std::filesystem::path depth;   ///< depth/, .png
   /// width and height are 0: load_frame takes them from the image. Lens distortion comes from our own key
-  /// "distortion" (8 numbers, OpenCV's order), which `sextant record` writes beside cam_K where there is some.
+  /// "distortion" (8 numbers, OpenCV's order), which `sextant record` writes beside cam_K where there is
+  /// some.
   CameraModel camera;
   double depth_scale_mm = 1;           ///< depth value * scale = mm along the optical axis
   std::optional<TableGeometry> table;  ///< scene_table.json
@@ -44,8 +45,8 @@ struct BopDataset {
   std::vector<BopImage> images;   ///< by scene, then image number
 };
 
-/// Scene numbers and folders of a split, ascending (wanted >= 0: that scene only). Throws InputError where the
-/// folder cannot be opened and where there is none.
+/// Scene numbers and folders of a split, ascending (wanted >= 0: that scene only). Throws InputError where
+/// the folder cannot be opened and where there is none.
 std::vector<std::pair<int, std::filesystem::path>> list_scenes(const std::filesystem::path& split_folder,
                                                                int wanted);
 

@@ -19,8 +19,8 @@ class FrameReel {
   virtual std::size_t size() const = 0;
   /// When frame i was captured; nothing where the recording does not say.
   virtual std::optional<CaptureStamp> captured(std::size_t i) const = 0;
-  /// Reads frame i, with the stamp, sequence number, camera name and table of the recording where it has them.
-  /// Throws InputError for files that are missing or damaged.
+  /// Reads frame i, with the stamp, sequence number, camera name and table of the recording where it has
+  /// them. Throws InputError for files that are missing or damaged.
   virtual RgbdFrame load(std::size_t i) const = 0;
   /// What was noticed on opening that does not stop playback ("the last line is cut off"), for people.
   virtual std::vector<std::string> remarks() const { return {}; }
@@ -34,8 +34,9 @@ struct ReelOptions {
   int image = -1;                 ///< this image number only; -1: all, in numeric order
 };
 
-/// Opens the lists of a data set (not the images). The kind is told by the files: rgb.txt and depth.txt are TUM
-/// RGB-D; a scene with frames.jsonl is a recording of ours; all else is BOP. Throws InputError / UsageError.
+/// Opens the lists of a data set (not the images). The kind is told by the files: rgb.txt and depth.txt are
+/// TUM RGB-D; a scene with frames.jsonl is a recording of ours; all else is BOP. Throws InputError /
+/// UsageError.
 std::unique_ptr<FrameReel> open_reel(const ReelOptions& options);
 
 /// The kinds. Each throws InputError.

@@ -11,9 +11,7 @@ namespace {
 using Time = PlaybackClock::Time;
 using Duration = Time::duration;
 
-Duration seconds(double s) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s));
-}
+Duration seconds(double s) { return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(s)); }
 
 /// A pause in a recording is played, but not a night.
 constexpr std::chrono::minutes kLongestPause{10};
@@ -22,7 +20,8 @@ class PlaybackSource final : public FrameSource {
  public:
   PlaybackSource(std::unique_ptr<FrameReel> reel, const PlaybackOptions& options)
       : reel_(std::move(reel)), options_(options) {
-    for (const std::string& remark : reel_->remarks()) condition_ += (condition_.empty() ? "" : "; ") + remark;
+    for (const std::string& remark : reel_->remarks())
+      condition_ += (condition_.empty() ? "" : "; ") + remark;
   }
 
   std::optional<RgbdFrame> next(std::chrono::milliseconds timeout) override {
@@ -105,9 +104,9 @@ class PlaybackSource final : public FrameSource {
     const bool corner = i <= *previous_;
     const std::size_t from = corner ? 0 : *previous_;
     const std::size_t to = corner ? std::min<std::size_t>(1, reel_->size() - 1) : i;
-    const double recorded = std::chrono::duration<double>(reel_->captured(to)->monotonic -
-                                                          reel_->captured(from)->monotonic)
-                                .count();
+    const double recorded =
+        std::chrono::duration<double>(reel_->captured(to)->monotonic - reel_->captured(from)->monotonic)
+            .count();
     // A clock that was set back in the recording: no pause.
     return std::clamp<Duration>(seconds(recorded / options_.speed), Duration::zero(), kLongestPause);
   }

@@ -65,10 +65,9 @@ RecordedFrame frame_of(const JsonView& line) {
                                              table->at("roll_rad").number(-kPi, kPi),
                                              table->at("height_m").number(1e-3, 100));
     if (const auto u = table->find("uncertainty")) {
-      f.table_uncertainty =
-          TableUncertainty{u->at("height_m").number(0, 100), u->at("pitch_rad").number(0, 10),
-                           u->at("roll_rad").number(0, 10), u->at("tilt_rad").number(0, 10),
-                           u->at("surface_m").number(0, 100)};
+      f.table_uncertainty = TableUncertainty{
+          u->at("height_m").number(0, 100), u->at("pitch_rad").number(0, 10), u->at("roll_rad").number(0, 10),
+          u->at("tilt_rad").number(0, 10), u->at("surface_m").number(0, 100)};
     }
   }
   return r;
@@ -81,7 +80,8 @@ void add_line(const nlohmann::json& json, const std::string& where, bool first, 
   if (first) {
     const int version = line.at("sextant_recording").integer(0, 1'000'000);
     if (version != kRecordingVersion) {
-      line.refuse(fmt::format("is version {} of the format, this program reads {}", version, kRecordingVersion));
+      line.refuse(
+          fmt::format("is version {} of the format, this program reads {}", version, kRecordingVersion));
     }
     return;
   }
@@ -92,8 +92,8 @@ void add_line(const nlohmann::json& json, const std::string& where, bool first, 
     return;
   }
   ended = true;
-  const std::uint64_t lost = count_in(*end, "lost_slow") + count_in(*end, "lost_failed") +
-                             count_in(*end, "lost_source");
+  const std::uint64_t lost =
+      count_in(*end, "lost_slow") + count_in(*end, "lost_failed") + count_in(*end, "lost_source");
   if (lost > 0) list.remarks.push_back(fmt::format("{} frames were lost while it was recorded", lost));
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `sextant record` writes beside the images of a scene: frames.jsonl, one JSON object a line, appended as
-// frames come, so that an interrupted recording plays up to its last whole frame. First a header, then one
+// What `sextant record` writes beside the images of a scene: frames.jsonl, one JSON object a line, appended
+// as frames come, so that an interrupted recording plays up to its last whole frame. First a header, then one
 // line a frame with camera, table and times, at last how it ended. scene_camera.json and scene_table.json are
 // made from it at the end, so that the folder is a BOP data set too.
 #pragma once

@@ -74,7 +74,8 @@ std::unique_ptr<FrameReel> open_recording_reel(const ReelOptions& options) {
       recorded.frame.image_id = recorded.image_id;
       entries.push_back({std::move(recorded), folder / "rgb" / name, folder / "depth" / name});
     }
-    for (const std::string& remark : list.remarks) remarks.push_back(fmt::format("scene {}: {}", scene, remark));
+    for (const std::string& remark : list.remarks)
+      remarks.push_back(fmt::format("scene {}: {}", scene, remark));
   }
   if (entries.empty()) {
     throw InputError((options.dataset / options.split).string(), "holds no recorded frame of that choice",

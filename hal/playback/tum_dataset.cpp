@@ -119,7 +119,8 @@ CameraFile camera_of(const fs::path& folder) {
   fs::path named = fs::absolute(folder, error).lexically_normal();
   if (named.filename().empty()) named = named.parent_path();
   if (auto known = published_camera(named.filename().string())) return *known;
-  throw InputError(folder.string(), "has no camera.yaml, and its name tells no freiburg1, freiburg2 or freiburg3",
+  throw InputError(folder.string(),
+                   "has no camera.yaml, and its name tells no freiburg1, freiburg2 or freiburg3",
                    "write the calibration into camera.yaml (see sextant detect --help), depth_scale_mm: 0.2");
 }
 
@@ -138,12 +139,13 @@ class TumReel final : public FrameReel {
     frame.colour = read_colour_image(pair.colour);
     frame.axial_depth_m = depth_in_metres(read_depth_image(pair.depth), dataset_.camera.depth_scale_mm);
     require_same_size(frame.colour, pair.colour, frame.axial_depth_m, pair.depth);
-    if (frame.colour.cols != dataset_.camera.camera.width || frame.colour.rows != dataset_.camera.camera.height) {
-      throw InputError(pair.colour.string(),
-                       fmt::format("has {} x {} pixels, the calibration is for {} x {}", frame.colour.cols,
-                                   frame.colour.rows, dataset_.camera.camera.width,
-                                   dataset_.camera.camera.height),
-                       "write the calibration of this size into camera.yaml");
+    if (frame.colour.cols != dataset_.camera.camera.width ||
+        frame.colour.rows != dataset_.camera.camera.height) {
+      throw InputError(
+          pair.colour.string(),
+          fmt::format("has {} x {} pixels, the calibration is for {} x {}", frame.colour.cols,
+                      frame.colour.rows, dataset_.camera.camera.width, dataset_.camera.camera.height),
+          "write the calibration of this size into camera.yaml");
     }
     frame.camera = dataset_.camera.camera;
     frame.table = dataset_.camera.table;
@@ -178,8 +180,8 @@ TumDataset open_tum_dataset(const fs::path& folder) {
                      "check that rgb.txt and depth.txt are of one recording");
   }
   if (const std::size_t alone = colours.size() - dataset.pairs.size(); alone > 0) {
-    dataset.remarks.push_back(fmt::format("{} of {} colour images have no depth image within 20 ms", alone,
-                                          colours.size()));
+    dataset.remarks.push_back(
+        fmt::format("{} of {} colour images have no depth image within 20 ms", alone, colours.size()));
   }
   return dataset;
 }

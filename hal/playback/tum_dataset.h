@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The lists of a TUM RGB-D folder (Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM systems"):
-// rgb.txt and depth.txt with lines "timestamp filename", depth values of 1/5000 m.
+// The lists of a TUM RGB-D folder (Sturm et al. 2012, "A benchmark for the evaluation of RGB-D SLAM
+// systems"): rgb.txt and depth.txt with lines "timestamp filename", depth values of 1/5000 m.
 #pragma once
 
 #include <filesystem>

@@ -28,8 +28,8 @@ AppendFile::~AppendFile() {
 void AppendFile::append(const std::string& record) {
   std::size_t done = 0;
   while (done < record.size()) {
-    const ssize_t n = ::pwrite(descriptor_, record.data() + done, record.size() - done,
-                               static_cast<off_t>(size_ + done));
+    const ssize_t n =
+        ::pwrite(descriptor_, record.data() + done, record.size() - done, static_cast<off_t>(size_ + done));
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       const std::string reason = n < 0 ? last_error() : "nothing was written";

@@ -73,7 +73,8 @@ struct Recorder::Impl {
   }
 };
 
-Recorder::Recorder(std::unique_ptr<FrameSink> sink, RecorderOptions options) : impl_(std::make_unique<Impl>()) {
+Recorder::Recorder(std::unique_ptr<FrameSink> sink, RecorderOptions options)
+    : impl_(std::make_unique<Impl>()) {
   if (options.queue_frames < 1 || options.queue_frames > 1000) {
     throw UsageError("the recorder's queue must hold 1..1000 frames");
   }

@@ -16,7 +16,8 @@ namespace sextant {
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
-  /// Throws DoorError for a frame that could not be written; nothing of it remains, and the next one may work.
+  /// Throws DoorError for a frame that could not be written; nothing of it remains, and the next one may
+  /// work.
   virtual void write(const RgbdFrame& frame) = 0;
   /// Ends the recording. Throws DoorError where its lists could not be written.
   virtual void finish(const RecordingEnd& end) = 0;

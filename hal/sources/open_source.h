@@ -20,14 +20,15 @@ std::vector<std::string> source_kinds();
 
 struct SourceOptions {
   std::string kind = "playback";
-  PlaybackOptions playback;           ///< of kind playback
-  StreamOptions colour, depth;        ///< of kind v4l2 and libcamera; sizes come from the rig file
-  std::string depth_kind;             ///< of the depth stream where it is not that of the colour stream
-  std::filesystem::path rig;          ///< calibration of the two cameras; needed by devices, may replace CameraInfo
-  DdsRgbdOptions dds;                 ///< of kind dds; domain, topics
-  bool rectify = true;                ///< of devices and dds: undo lens distortion and fx != fy
-  std::chrono::milliseconds max_age{100};  ///< of devices and dds: older frames are dropped as stale; 0: none is
-  std::string frame_id;               ///< given to every frame; empty: as the source says
+  PlaybackOptions playback;     ///< of kind playback
+  StreamOptions colour, depth;  ///< of kind v4l2 and libcamera; sizes come from the rig file
+  std::string depth_kind;       ///< of the depth stream where it is not that of the colour stream
+  std::filesystem::path rig;    ///< calibration of the two cameras; needed by devices, may replace CameraInfo
+  DdsRgbdOptions dds;           ///< of kind dds; domain, topics
+  bool rectify = true;          ///< of devices and dds: undo lens distortion and fx != fy
+  std::chrono::milliseconds max_age{
+      100};              ///< of devices and dds: older frames are dropped as stale; 0: none is
+  std::string frame_id;  ///< given to every frame; empty: as the source says
 };
 
 /// Throws UsageError for options that cannot work, InputError for files, DeviceError for devices.

@@ -56,19 +56,22 @@ struct TableLocator::Impl {
     const auto found = tf->buffer().lookup(options.world_frame, camera, frame.captured_at, options.max_age);
     if (found) return *found;
     throw InputError("table", "the camera's pose from DDS: " + found.error(),
-                     options.pose_topic.empty() ? "publish tf from " + options.world_frame + " to " + camera
-                                                : "publish " + options.pose_topic + " in " + options.world_frame);
+                     options.pose_topic.empty()
+                         ? "publish tf from " + options.world_frame + " to " + camera
+                         : "publish " + options.pose_topic + " in " + options.world_frame);
   }
 
   KnownTable from_dds(const RgbdFrame& frame) {
     const auto table = table_below(camera_in_world(frame), options.table_height_m);
-    if (!table) throw InputError("table", "DDS says that the camera is not above the table", "check table_height_m");
+    if (!table)
+      throw InputError("table", "DDS says that the camera is not above the table", "check table_height_m");
     return {*table, uncertainty_of(*table, options.height_deviation_m, options.tilt_deviation_rad)};
   }
 
   KnownTable estimated(const RgbdFrame& frame) {
     TableEstimateOptions estimate = options.estimate;
-    if (options.prior == TableLocatorOptions::Prior::kFixed) estimate.up_in_camera = options.fixed.up_in_camera;
+    if (options.prior == TableLocatorOptions::Prior::kFixed)
+      estimate.up_in_camera = options.fixed.up_in_camera;
     if (options.prior == TableLocatorOptions::Prior::kDds) {
       estimate.up_in_camera = camera_in_world(frame).linear().transpose() * Eigen::Vector3d::UnitZ();
     }
@@ -81,7 +84,8 @@ struct TableLocator::Impl {
     }
     if (found) filter.update({found->table, found->uncertainty}, time);
     if (const auto known = filter.at(time)) return *known;
-    throw InputError("table", found ? "the estimates do not agree; hold the camera still" : found.error().reason);
+    throw InputError("table",
+                     found ? "the estimates do not agree; hold the camera still" : found.error().reason);
   }
 };
 
@@ -96,9 +100,8 @@ void TableLocator::locate(RgbdFrame& frame) {
       throw InputError("table", "the source does not say where the table is",
                        "let it be estimated, or configure it");
     case TableOrigin::kFixed:
-      known = {impl_->options.fixed,
-               uncertainty_of(impl_->options.fixed, impl_->options.height_deviation_m,
-                              impl_->options.tilt_deviation_rad)};
+      known = {impl_->options.fixed, uncertainty_of(impl_->options.fixed, impl_->options.height_deviation_m,
+                                                    impl_->options.tilt_deviation_rad)};
       break;
     case TableOrigin::kDds:
       known = impl_->from_dds(frame);

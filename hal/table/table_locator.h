@@ -25,20 +25,20 @@ enum class TableOrigin : std::uint8_t {
 
 struct TableLocatorOptions {
   TableOrigin origin = TableOrigin::kEstimate;
-  TableGeometry fixed;                        ///< of kFixed
-  double height_deviation_m = 0;              ///< of kFixed and kDds: how well the camera's height is known
-  double tilt_deviation_rad = 0;              ///< and the direction of gravity
+  TableGeometry fixed;            ///< of kFixed
+  double height_deviation_m = 0;  ///< of kFixed and kDds: how well the camera's height is known
+  double tilt_deviation_rad = 0;  ///< and the direction of gravity
   // kDds
   unsigned domain = 0;
-  std::string pose_topic;                     ///< PoseStamped of the camera's optical frame; empty: tf
-  std::string world_frame = "base_link";      ///< z up; the pose topic's own frame_id where that is used
-  double table_height_m = 0;                  ///< of the table's surface in the world frame
-  std::chrono::milliseconds max_age{200};     ///< of a transform, against the frame's capture
+  std::string pose_topic;                  ///< PoseStamped of the camera's optical frame; empty: tf
+  std::string world_frame = "base_link";   ///< z up; the pose topic's own frame_id where that is used
+  double table_height_m = 0;               ///< of the table's surface in the world frame
+  std::chrono::milliseconds max_age{200};  ///< of a transform, against the frame's capture
   // kEstimate
   TableEstimateOptions estimate;
   /// Gravity for the estimate: none, `fixed`'s direction, or that of kDds.
   enum class Prior : std::uint8_t { kNone, kFixed, kDds } prior = Prior::kNone;
-  bool filter = true;                         ///< average over time; off: every frame for itself
+  bool filter = true;  ///< average over time; off: every frame for itself
   TableFilterOptions filtering;
 };
 
@@ -51,8 +51,8 @@ class TableLocator {
   TableLocator(const TableLocator&) = delete;
   TableLocator& operator=(const TableLocator&) = delete;
 
-  /// Fills table and table_uncertainty of the frame. Throws InputError where there is no table, with the reason
-  /// and what to do: a frame is never searched against a table that is a guess.
+  /// Fills table and table_uncertainty of the frame. Throws InputError where there is no table, with the
+  /// reason and what to do: a frame is never searched against a table that is a guess.
   void locate(RgbdFrame& frame);
   /// The estimate of the last frame, before the filter.
   const std::optional<TableEstimate>& last_estimate() const;

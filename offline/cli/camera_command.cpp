@@ -32,19 +32,25 @@ struct ListArguments {
 nlohmann::ordered_json json_of(const CameraDevice& d) {
   nlohmann::ordered_json modes = nlohmann::ordered_json::array();
   for (const CameraMode& m : d.modes) {
-    modes.push_back({{"format", m.fourcc}, {"usable", m.format.has_value()}, {"width", m.width}, {"height", m.height},
+    modes.push_back({{"format", m.fourcc},
+                     {"usable", m.format.has_value()},
+                     {"width", m.width},
+                     {"height", m.height},
                      {"max_rate_hz", m.max_rate_hz}});
   }
   nlohmann::ordered_json controls = nlohmann::ordered_json::array();
   for (const CameraControl& c : d.controls) {
-    nlohmann::ordered_json one = {{"name", c.name}, {"lowest", c.lowest}, {"highest", c.highest},
-                                  {"step", c.step}, {"default", c.standard}};
+    nlohmann::ordered_json one = {{"name", c.name},
+                                  {"lowest", c.lowest},
+                                  {"highest", c.highest},
+                                  {"step", c.step},
+                                  {"default", c.standard}};
     if (c.value) one["value"] = *c.value;
     controls.push_back(one);
   }
-  return {{"kind", d.kind}, {"id", d.id}, {"aliases", d.aliases}, {"node", d.node}, {"name", d.name},
-          {"driver", d.driver}, {"bus", d.bus}, {"serial", d.serial}, {"problem", d.problem},
-          {"modes", modes}, {"controls", controls}};
+  return {{"kind", d.kind},       {"id", d.id},         {"aliases", d.aliases}, {"node", d.node},
+          {"name", d.name},       {"driver", d.driver}, {"bus", d.bus},         {"serial", d.serial},
+          {"problem", d.problem}, {"modes", modes},     {"controls", controls}};
 }
 
 void print_device(const CameraDevice& d) {
@@ -72,12 +78,16 @@ int run_list(const ListArguments& a) {
   if (a.json) {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const CameraDevice& d : devices) list.push_back(json_of(d));
-    fmt::print("{}\n", nlohmann::ordered_json{{"devices", list}, {"dds_image_topics", topics}, {"dds_problem", dds_problem}}.dump());
+    fmt::print(
+        "{}\n",
+        nlohmann::ordered_json{{"devices", list}, {"dds_image_topics", topics}, {"dds_problem", dds_problem}}
+            .dump());
     return 0;
   }
   for (const CameraDevice& d : devices) print_device(d);
   if (devices.empty()) {
-    fmt::print("no camera device (V4L2): nothing is plugged in, or its driver is not loaded (dmesg says more)\n");
+    fmt::print(
+        "no camera device (V4L2): nothing is plugged in, or its driver is not loaded (dmesg says more)\n");
   }
   if (!dds_problem.empty()) fmt::print("DDS: {}\n", dds_problem);
   for (const std::string& topic : topics) fmt::print("dds {}\n", topic);
@@ -128,7 +138,8 @@ CameraMeasurement look(const LookArguments& a, SourceStatistics& statistics) {
   }
   statistics = source->statistics();
   if (measurement.frames() == 0) {
-    throw DeviceError(a.source.describe(), "no frame came" + (condition.empty() ? "" : " (" + condition + ")"),
+    throw DeviceError(a.source.describe(),
+                      "no frame came" + (condition.empty() ? "" : " (" + condition + ")"),
                       "see sextant camera list and sextant doctor");
   }
   return measurement;
@@ -138,12 +149,13 @@ void write_picture(const std::filesystem::path& file, const CameraMeasurement& m
   std::vector<std::string> lines;
   constexpr double kDegrees = 57.29577951308232;
   if (const auto& e = m.last_estimate()) {
-    lines.push_back(fmt::format("height {:.3f} m (+-{:.1f} mm)   pitch {:.1f} deg   roll {:.1f} deg (+-{:.2f})",
-                                e->table.camera_height_m, 1e3 * e->uncertainty.height_m,
-                                e->table.pitch_rad() * kDegrees, e->table.roll_rad() * kDegrees,
-                                e->uncertainty.tilt_rad * kDegrees));
-    lines.push_back(fmt::format("{:.0f} % of the depth lies on the table, {:.1f} mm off it; grid: 10 cm, on the table",
-                                100 * e->inlier_share, 1e3 * e->residual_m));
+    lines.push_back(
+        fmt::format("height {:.3f} m (+-{:.1f} mm)   pitch {:.1f} deg   roll {:.1f} deg (+-{:.2f})",
+                    e->table.camera_height_m, 1e3 * e->uncertainty.height_m, e->table.pitch_rad() * kDegrees,
+                    e->table.roll_rad() * kDegrees, e->uncertainty.tilt_rad * kDegrees));
+    lines.push_back(
+        fmt::format("{:.0f} % of the depth lies on the table, {:.1f} mm off it; grid: 10 cm, on the table",
+                    100 * e->inlier_share, 1e3 * e->residual_m));
   } else {
     lines.emplace_back("no table was found");
   }
@@ -188,7 +200,9 @@ CLI::App* add_camera_command(CLI::App& app, int& exit_code) {
   auto list = std::make_shared<ListArguments>();
   CLI::App* list_command = command->add_subcommand("list", "cameras of this machine and image topics on DDS");
   list_command->footer("Example: sextant camera list --json");
-  list_command->add_option("--domain", list->domain, "DDS domain")->check(CLI::Range(0, 230))->capture_default_str();
+  list_command->add_option("--domain", list->domain, "DDS domain")
+      ->check(CLI::Range(0, 230))
+      ->capture_default_str();
   list_command->add_option("--listen-s", list->listen_s, "how long to listen for DDS topics")
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
@@ -203,14 +217,17 @@ CLI::App* add_camera_command(CLI::App& app, int& exit_code) {
       "Examples:\n  sextant camera check --source v4l2 --color-device by-id-of-colour --depth-device "
       "by-id-of-depth --rig rig.yaml\n  sextant camera check --dataset data/sample");
   check->source.add_to(*check_command);
-  check_command->add_option("--seconds", check->seconds, "of measuring")->check(CLI::Range(0.1, 3600.0))->capture_default_str();
+  check_command->add_option("--seconds", check->seconds, "of measuring")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
   check_command->add_option("--frames", check->frames, "instead of a time")->check(CLI::Range(1, 1000000));
   check_command->add_option("--picture", check->picture, "PNG of the last frame with the table's grid");
   check_command->add_flag("--json", check->json, "one JSON object");
   check_command->callback([check, &exit_code] { exit_code = run_check(*check); });
 
   auto show = std::make_shared<LookArguments>();
-  CLI::App* show_command = command->add_subcommand("show", "a picture: colour with the table's grid, depth, holes");
+  CLI::App* show_command =
+      command->add_subcommand("show", "a picture: colour with the table's grid, depth, holes");
   show_command->footer("Example: sextant camera show --dataset data/sample -o camera.png");
   show->source.add_to(*show_command);
   show_command->add_option("-o,--output", show->picture, "PNG to write")->required();

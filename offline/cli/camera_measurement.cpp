@@ -16,9 +16,9 @@ namespace sextant {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr int kNoiseStep = 8;     ///< pixels between samples of temporal noise
-constexpr int kFewestLooks = 5;   ///< frames that a pixel must be seen in
-constexpr double kOldMs = 100;    ///< live frames older than this are never searched
+constexpr int kNoiseStep = 8;    ///< pixels between samples of temporal noise
+constexpr int kFewestLooks = 5;  ///< frames that a pixel must be seen in
+constexpr double kOldMs = 100;   ///< live frames older than this are never searched
 
 std::string spread_text(const Spread& s, double unit, int digits) {
   return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", s.median * unit, digits, s.lowest * unit, digits,
@@ -138,24 +138,29 @@ std::vector<Finding> CameraMeasurement::findings(const SourceStatistics& source)
   }
   if (live_ && intervals_ms_.size() >= 3) {
     const Spread interval = Spread::of(intervals_ms_);
-    const double rate = 1000 / std::max(1e-3, std::accumulate(intervals_ms_.begin(), intervals_ms_.end(), 0.0) /
-                                                  static_cast<double>(intervals_ms_.size()));
+    const double rate =
+        1000 / std::max(1e-3, std::accumulate(intervals_ms_.begin(), intervals_ms_.end(), 0.0) /
+                                  static_cast<double>(intervals_ms_.size()));
     double jitter = 0;
     for (const double i : intervals_ms_) jitter += std::abs(i - interval.median);
     jitter /= static_cast<double>(intervals_ms_.size());
-    out.push_back(judged("rate", rate > 4, fmt::format("{:.1f} Hz, intervals {} ms, mean jitter {:.1f} ms", rate,
-                                                       spread_text(interval, 1, 1), jitter),
+    out.push_back(judged("rate", rate > 4,
+                         fmt::format("{:.1f} Hz, intervals {} ms, mean jitter {:.1f} ms", rate,
+                                     spread_text(interval, 1, 1), jitter),
                          "more light or a fixed exposure; another USB port or a smaller size"));
     const Spread age = Spread::of(ages_ms_);
-    out.push_back(judged("age", age.highest < kOldMs, fmt::format("{} ms when handed out", spread_text(age, 1, 1)),
+    out.push_back(judged("age", age.highest < kOldMs,
+                         fmt::format("{} ms when handed out", spread_text(age, 1, 1)),
                          "frames older than 100 ms are never searched: look for a slow driver or network"));
   }
   const std::uint64_t dropped = source.dropped();
-  out.push_back(judged("losses", dropped * 50 <= source.delivered + dropped,
-                       fmt::format("{} delivered, {} dropped: {}", source.delivered, dropped, describe_drops(source)),
-                       "lost: USB or network; unpaired: clocks or rates of the two streams; stale: a slow path"));
+  out.push_back(
+      judged("losses", dropped * 50 <= source.delivered + dropped,
+             fmt::format("{} delivered, {} dropped: {}", source.delivered, dropped, describe_drops(source)),
+             "lost: USB or network; unpaired: clocks or rates of the two streams; stale: a slow path"));
   const Spread holes = Spread::of(holes_);
-  out.push_back(judged("depth", holes.median < 0.4, fmt::format("{} % of the image missing", spread_text(holes, 100, 0)),
+  out.push_back(judged("depth", holes.median < 0.4,
+                       fmt::format("{} % of the image missing", spread_text(holes, 100, 0)),
                        "nearer or farther, less sunlight, fewer mirrors and glass"));
   if (!holes_on_table_.empty()) {
     const Spread on_table = Spread::of(holes_on_table_);
@@ -164,27 +169,29 @@ std::vector<Finding> CameraMeasurement::findings(const SourceStatistics& source)
                          "a matt table cloth; another angle"));
   }
   if (const auto noise = temporal_noise_m(); noise && live_) {
-    out.push_back(judged("depth noise", noise->median < 0.004,
-                         fmt::format("{:.1f} mm from frame to frame (median of the image)", noise->median * 1e3),
-                         "hold the camera still while measuring; look at exposure and projector"));
+    out.push_back(
+        judged("depth noise", noise->median < 0.004,
+               fmt::format("{:.1f} mm from frame to frame (median of the image)", noise->median * 1e3),
+               "hold the camera still while measuring; look at exposure and projector"));
   }
   if (heights_m_.empty()) {
     out.push_back({FindingState::kBad, "table", "refused in every frame: " + last_refusal_, ""});
     return out;
   }
-  out.push_back(judged("table flatness", Spread::of(residuals_m_).median < 0.004,
-                       fmt::format("{} mm off the plane (root mean square)",
-                                   spread_text(Spread::of(residuals_m_), 1e3, 1)),
-                       "calibrate the depth camera: its plane is warped"));
+  out.push_back(judged(
+      "table flatness", Spread::of(residuals_m_).median < 0.004,
+      fmt::format("{} mm off the plane (root mean square)", spread_text(Spread::of(residuals_m_), 1e3, 1)),
+      "calibrate the depth camera: its plane is warped"));
   const TableUncertainty& u = last_estimate_ ? last_estimate_->uncertainty : TableUncertainty{};
-  out.push_back(judged("table", refused_ == 0,
-                       fmt::format("height {} m, pitch {} deg, roll {} deg; deviations {:.1f} mm, {:.2f} deg; {} of {} "
-                                   "frames refused",
-                                   spread_text(Spread::of(heights_m_), 1, 3),
-                                   spread_text(Spread::of(pitches_rad_), kDegrees, 1),
-                                   spread_text(Spread::of(rolls_rad_), kDegrees, 1), u.height_m * 1e3,
-                                   u.tilt_rad * kDegrees, refused_, frames_),
-                       last_refusal_));
+  out.push_back(
+      judged("table", refused_ == 0,
+             fmt::format("height {} m, pitch {} deg, roll {} deg; deviations {:.1f} mm, {:.2f} deg; {} of {} "
+                         "frames refused",
+                         spread_text(Spread::of(heights_m_), 1, 3),
+                         spread_text(Spread::of(pitches_rad_), kDegrees, 1),
+                         spread_text(Spread::of(rolls_rad_), kDegrees, 1), u.height_m * 1e3,
+                         u.tilt_rad * kDegrees, refused_, frames_),
+             last_refusal_));
   if (!height_errors_m_.empty()) {
     std::vector<double> absolute = height_errors_m_;
     for (double& e : absolute) e = std::abs(e);

@@ -52,8 +52,8 @@ class CameraMeasurement {
   std::vector<double> intervals_ms_, ages_ms_;
   std::vector<double> holes_, holes_on_table_, residuals_m_;  ///< shares, shares, metres
   std::vector<double> heights_m_, pitches_rad_, rolls_rad_;
-  std::vector<double> height_errors_m_, tilt_errors_rad_;     ///< against the source's own table
-  std::vector<float> sum_, squares_;                          ///< of depth, per sampled pixel
+  std::vector<double> height_errors_m_, tilt_errors_rad_;  ///< against the source's own table
+  std::vector<float> sum_, squares_;                       ///< of depth, per sampled pixel
   std::vector<int> counts_;
 };
 

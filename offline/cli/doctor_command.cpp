@@ -44,7 +44,8 @@ int run(const Arguments& a) {
 
 CLI::App* add_doctor_command(CLI::App& app, int& exit_code) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("doctor", "check this machine: processor, cameras, network, rendering, models");
+  CLI::App* command =
+      app.add_subcommand("doctor", "check this machine: processor, cameras, network, rendering, models");
   command->footer("Example: sextant doctor models/*.sxm\nExit code 4 where something is bad.");
   command->add_option("models", a->models, "compiled models to check too");
   command->add_option("--domain", a->domain, "DDS domain")->check(CLI::Range(0, 230))->capture_default_str();

@@ -78,7 +78,8 @@ std::vector<Finding> check_processor(const MachinePlaces& places) {
   }
   if (has_word(arm, "asimd")) simd = "neon";
   if (simd.empty()) {
-    out.push_back({FindingState::kWarning, "processor", fmt::format("{} cores, no AVX2 and no NEON seen", cores),
+    out.push_back({FindingState::kWarning, "processor",
+                   fmt::format("{} cores, no AVX2 and no NEON seen", cores),
                    "the search works, but slowly; use a newer processor"});
   } else {
     out.push_back({simd == "sse4_2" ? FindingState::kNote : FindingState::kGood, "processor",
@@ -100,9 +101,11 @@ std::vector<Finding> check_memory(const MachinePlaces& places) {
   const double gigabytes = kilobytes * 1024 / kGigabyte;
   const std::string what = fmt::format("{:.1f} GB available", gigabytes);
   // The daemon takes 0.2 GB and 2 MB a model; compiling takes up to 1 GB a thread.
-  if (gigabytes < 0.5) return {{FindingState::kBad, "memory", what, "the daemon needs 0.5 GB: end other programs"}};
+  if (gigabytes < 0.5)
+    return {{FindingState::kBad, "memory", what, "the daemon needs 0.5 GB: end other programs"}};
   if (gigabytes < 2) {
-    return {{FindingState::kWarning, "memory", what, "enough for detection; compile models on a larger machine"}};
+    return {
+        {FindingState::kWarning, "memory", what, "enough for detection; compile models on a larger machine"}};
   }
   return {{FindingState::kGood, "memory", what, ""}};
 }
@@ -126,15 +129,17 @@ std::vector<Finding> check_camera_permissions(const MachinePlaces& places) {
     if (::access(it->path().c_str(), R_OK | W_OK) == 0) {
       ++usable;
     } else {
-      out.push_back({FindingState::kBad, "cameras", "/dev/" + name + " may not be opened by this user",
-                     "add the user to the group video (usermod -aG video NAME, then log in again), or install "
-                     "config/60-sextant-cameras.rules into /etc/udev/rules.d"});
+      out.push_back(
+          {FindingState::kBad, "cameras", "/dev/" + name + " may not be opened by this user",
+           "add the user to the group video (usermod -aG video NAME, then log in again), or install "
+           "config/60-sextant-cameras.rules into /etc/udev/rules.d"});
     }
   }
   if (usable > 0) {
     out.push_back({FindingState::kGood, "cameras", fmt::format("{} V4L2 nodes can be opened", usable), ""});
   } else if (out.empty()) {
-    out.push_back({FindingState::kNote, "cameras", "no V4L2 device: cameras over DDS and playback still work", ""});
+    out.push_back(
+        {FindingState::kNote, "cameras", "no V4L2 device: cameras over DDS and playback still work", ""});
   }
   return out;
 }
@@ -147,7 +152,8 @@ std::vector<Finding> check_clock() {
     return {{FindingState::kNote, "clock", "the wall clock is not synchronised",
              "only cameras and readers on other machines need it: chrony or systemd-timesyncd"}};
   }
-  return {{FindingState::kGood, "clock", fmt::format("synchronised, estimated error {} us", state.esterror), ""}};
+  return {
+      {FindingState::kGood, "clock", fmt::format("synchronised, estimated error {} us", state.esterror), ""}};
 }
 
 std::vector<Finding> check_dds(unsigned domain) {
@@ -162,8 +168,9 @@ std::vector<Finding> check_dds(unsigned domain) {
                    "check the network interface; on a machine without multicast use config/cyclonedds.xml"});
     return out;
   }
-  const std::string what = fmt::format("{} of {} images of 614 kB came through, median {:.1f} ms, found each other in {:.0f} ms",
-                                       r.received, r.sent, r.median_ms, r.discovery_ms);
+  const std::string what =
+      fmt::format("{} of {} images of 614 kB came through, median {:.1f} ms, found each other in {:.0f} ms",
+                  r.received, r.sent, r.median_ms, r.discovery_ms);
   if (r.received == 0) {
     out.push_back({FindingState::kBad, "DDS", what, "enlarge the socket buffers (see above)"});
   } else if (r.received < r.sent - 1 || r.median_ms > 20) {
@@ -206,7 +213,8 @@ std::vector<Finding> check_disk(const fs::path& folder) {
   if (statvfs(folder.c_str(), &disk) != 0) {
     return {{FindingState::kNote, "disk", folder.string() + " cannot be looked at", ""}};
   }
-  const double gigabytes = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize) / kGigabyte;
+  const double gigabytes =
+      static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize) / kGigabyte;
   const std::string what = fmt::format("{:.1f} GB free", gigabytes);
   if (gigabytes < 1) {
     return {{FindingState::kWarning, "disk", what, "a recording takes about 1 MB a frame: make space"}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `sextant doctor` looks at, one function a check. Where the kernel shows things comes in as a folder, so
-// that tests can show another machine.
+// What `sextant doctor` looks at, one function a check. Where the kernel shows things comes in as a folder,
+// so that tests can show another machine.
 #pragma once
 
 #include <filesystem>

@@ -39,11 +39,13 @@ void warn_of_little_space(const std::filesystem::path& folder) {
   if (statvfs(folder.c_str(), &disk) != 0) return;
   const double gigabytes = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize) / 1e9;
   // About 1 MB a frame at 640 x 480.
-  if (gigabytes < 2) say(fmt::format("only {:.1f} GB are free: about {:.0f} s at 30 Hz", gigabytes, gigabytes * 33));
+  if (gigabytes < 2)
+    say(fmt::format("only {:.1f} GB are free: about {:.0f} s at 30 Hz", gigabytes, gigabytes * 33));
 }
 
 /// Every frame until the end that was asked for. Returns the source's own losses.
-SourceStatistics run_frames(FrameSource& source, Recorder& recorder, TableLocator* table, const Arguments& a) {
+SourceStatistics run_frames(FrameSource& source, Recorder& recorder, TableLocator* table,
+                            const Arguments& a) {
   const StopOnSignal stop;
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                       std::chrono::duration<double>(a.seconds > 0 ? a.seconds : 1e8));
@@ -52,7 +54,8 @@ SourceStatistics run_frames(FrameSource& source, Recorder& recorder, TableLocato
   std::string condition;
   std::string table_problem;
   const bool live = a.source.source.kind != "playback";
-  while (!stop.requested() && Clock::now() < end && (a.frames == 0 || taken < a.frames) && !recorder.given_up()) {
+  while (!stop.requested() && Clock::now() < end && (a.frames == 0 || taken < a.frames) &&
+         !recorder.given_up()) {
     std::optional<RgbdFrame> frame;
     try {
       frame = source.next(std::chrono::milliseconds(100));

@@ -16,10 +16,12 @@ void SourceArguments::add_to(CLI::App& command) {
   command.add_option("--dataset", source.playback.dataset, "playback: BOP, TUM RGB-D or recording folder");
   command.add_option("--split", source.playback.split, "playback: of a BOP data set or recording")
       ->capture_default_str();
-  command.add_option("--scene", source.playback.scene, "playback: only this scene")->check(CLI::NonNegativeNumber);
+  command.add_option("--scene", source.playback.scene, "playback: only this scene")
+      ->check(CLI::NonNegativeNumber);
   command.add_option("--image", source.playback.image, "playback: only this image number")
       ->check(CLI::NonNegativeNumber);
-  command.add_option("--rate-hz", source.playback.rate_hz, "playback: frames per second, 0: as fast as possible")
+  command
+      .add_option("--rate-hz", source.playback.rate_hz, "playback: frames per second, 0: as fast as possible")
       ->capture_default_str();
   command.add_flag("--by-timestamps", by_timestamps, "playback: as it was captured");
   command.add_option("--speed", source.playback.speed, "with --by-timestamps: times as fast")
@@ -32,12 +34,15 @@ void SourceArguments::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--depth-format", source.depth.format, "v4l2: e.g. Z16, Y16")->capture_default_str();
   command.add_option("--rig", source.rig, "calibration of colour and depth camera (docs/cameras.md)");
-  command.add_option("--domain", source.dds.domain, "dds: the domain")->check(CLI::Range(0, 230))->capture_default_str();
+  command.add_option("--domain", source.dds.domain, "dds: the domain")
+      ->check(CLI::Range(0, 230))
+      ->capture_default_str();
   command.add_option("--color-topic,--colour-topic", source.dds.colour_topic,
                      "dds: e.g. camera/color/image_raw");
   command.add_option("--depth-topic", source.dds.depth_topic,
                      "dds: e.g. camera/aligned_depth_to_color/image_raw");
-  command.add_flag("--stamp-on-arrival", source.dds.stamp_on_arrival, "dds: do not believe the driver's stamps");
+  command.add_flag("--stamp-on-arrival", source.dds.stamp_on_arrival,
+                   "dds: do not believe the driver's stamps");
   command.add_flag("--no-rectify", no_rectify, "keep lens distortion and fx != fy");
   command.add_option("--max-age-ms", max_age_ms, "devices and dds: drop older frames as stale, 0: none")
       ->check(CLI::Range(0.0, 60000.0))
@@ -58,7 +63,8 @@ SourceOptions SourceArguments::options() const {
 
 std::string SourceArguments::describe() const {
   if (source.kind == "playback") return "playback of " + source.playback.dataset.string();
-  if (source.kind == "dds") return fmt::format("dds {} + {}", source.dds.colour_topic, source.dds.depth_topic);
+  if (source.kind == "dds")
+    return fmt::format("dds {} + {}", source.dds.colour_topic, source.dds.depth_topic);
   return fmt::format("{} {} + {}", source.kind, source.colour.device, source.depth.device);
 }
 

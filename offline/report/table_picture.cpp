@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "offline/report/table_picture.h"
 
-
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -95,7 +94,8 @@ cv::Mat depth_picture(const RgbdFrame& frame) {
       }
       if (!frame.table) continue;
       // Good enough for a picture: the lens is ignored.
-      const Eigen::Vector3d p((x - frame.camera.cx) / frame.camera.fx * z, (y - frame.camera.cy) / frame.camera.fy * z, z);
+      const Eigen::Vector3d p((x - frame.camera.cx) / frame.camera.fx * z,
+                              (y - frame.camera.cy) / frame.camera.fy * z, z);
       const double above = frame.table->up_in_camera.dot(p) + frame.table->camera_height_m;
       if (std::abs(above) < kOnTable) {
         for (int k = 0; k < 3; ++k) pixel[k] = static_cast<std::uint8_t>(160 + pixel[k] * 95 / 255);

@@ -110,8 +110,8 @@ struct Detector::Impl {
           throw InputError(where, "the frame does not say where the table is",
                            "add scene_table.json, or use a table estimate, fixed values, or none");
         }
-        return SearchedTable{*frame.table,
-                             widened(options.tolerance, frame.table_uncertainty.value_or(TableUncertainty{}))};
+        return SearchedTable{
+            *frame.table, widened(options.tolerance, frame.table_uncertainty.value_or(TableUncertainty{}))};
       case TableSource::kEstimate: {
         const auto estimate = estimate_table(rectified);
         if (!estimate) throw InputError(where, "no table", estimate.error().reason);

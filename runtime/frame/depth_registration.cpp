@@ -42,8 +42,8 @@ DepthRegistration::DepthRegistration(const CameraModel& depth, const CameraModel
   depth.check(where + ": depth camera");
   colour.check(where + ": colour camera");
   const Eigen::Matrix3d& r = colour_from_depth.linear();
-  const bool rigid = (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-4 &&
-                     r.determinant() > 0;
+  const bool rigid =
+      (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-4 && r.determinant() > 0;
   if (!rigid || !(colour_from_depth.translation().norm() < kLongestBaseline)) {
     throw InputError(where, "the pose of the depth camera in the colour camera is no rigid motion of < 2 m",
                      "give a rotation and a translation in metres");
@@ -142,8 +142,7 @@ void DepthRegistration::splat(const Row& above, const Row& row, const Row& below
 }
 
 cv::Mat DepthRegistration::registered(const cv::Mat& axial_depth_m) {
-  if (axial_depth_m.type() != CV_32FC1 ||
-      axial_depth_m.size() != cv::Size(depth_.width, depth_.height)) {
+  if (axial_depth_m.type() != CV_32FC1 || axial_depth_m.size() != cv::Size(depth_.width, depth_.height)) {
     throw InputError("depth image",
                      "is " + std::to_string(axial_depth_m.cols) + " x " + std::to_string(axial_depth_m.rows) +
                          ", the depth camera's calibration is for " + std::to_string(depth_.width) + " x " +

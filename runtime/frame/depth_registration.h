@@ -44,9 +44,9 @@ class DepthRegistration {
   Eigen::Matrix3f rotation_;
   Eigen::Vector3f translation_;
   bool colour_distorted_ = false;
-  float half_x_ = 0;                ///< half a depth pixel at equal depth, colour pixels
+  float half_x_ = 0;  ///< half a depth pixel at equal depth, colour pixels
   float half_y_ = 0;
-  std::vector<float> rays_[3];      ///< rotated tangent rays of every depth pixel, by coordinate
+  std::vector<float> rays_[3];  ///< rotated tangent rays of every depth pixel, by coordinate
   Row rows_[3];
   std::vector<float> left_, right_, top_, bottom_;  ///< footprints of one row
 };

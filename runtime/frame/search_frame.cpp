@@ -99,8 +99,9 @@ void Rectifier::prepare(const CameraModel& source) {
   depth_map_ = source_pixels(source, ideal_);
   // Below three quarters of the size, interpolation alone would skip source pixels.
   shrinks_ = 4 * ideal_.width <= 3 * source.width;
-  colour_map_ = shrinks_ ? in_resized(depth_map_, {source.width, source.height}, {ideal_.width, ideal_.height})
-                         : depth_map_;
+  colour_map_ = shrinks_
+                    ? in_resized(depth_map_, {source.width, source.height}, {ideal_.width, ideal_.height})
+                    : depth_map_;
 }
 
 cv::Mat Rectifier::rectified_colour(const CameraModel& camera, const cv::Mat& colour) {
@@ -129,8 +130,6 @@ SearchFrame Rectifier::rectified(const RgbdFrame& frame) {
   return out;
 }
 
-SearchFrame rectified(const RgbdFrame& frame, int width_out) {
-  return Rectifier(width_out).rectified(frame);
-}
+SearchFrame rectified(const RgbdFrame& frame, int width_out) { return Rectifier(width_out).rectified(frame); }
 
 }  // namespace sextant

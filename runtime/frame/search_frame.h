@@ -34,13 +34,13 @@ class Rectifier {
   void prepare(const CameraModel& source);
 
   int width_out_;
-  CameraModel source_;       ///< what the members below were made for
+  CameraModel source_;  ///< what the members below were made for
   PinholeCamera ideal_;
-  bool as_is_ = false;       ///< pixels are those of the ideal camera already
-  bool shrinks_ = false;     ///< colour is averaged down before it is moved
-  cv::Mat colour_map_;       ///< CV_32FC2: for each ideal pixel, the pixel of the (shrunk) source
-  cv::Mat depth_map_;        ///< CV_32FC2: the same for the source itself
-  cv::Mat ray_from_axial_;   ///< CV_32FC1
+  bool as_is_ = false;      ///< pixels are those of the ideal camera already
+  bool shrinks_ = false;    ///< colour is averaged down before it is moved
+  cv::Mat colour_map_;      ///< CV_32FC2: for each ideal pixel, the pixel of the (shrunk) source
+  cv::Mat depth_map_;       ///< CV_32FC2: the same for the source itself
+  cv::Mat ray_from_axial_;  ///< CV_32FC1
 };
 
 /// One frame: Rectifier(width_out).rectified(frame).

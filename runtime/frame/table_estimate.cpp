@@ -16,11 +16,11 @@ namespace {
 constexpr int kRounds = 400;
 constexpr int kReach = 24;  ///< grid cells between the three samples of a hypothesis, at most
 constexpr std::size_t kFewest = 200;
-constexpr std::size_t kScored = 1500;         ///< samples that hypotheses are compared on
-constexpr double kLeastDownward = 0.0436;     ///< sine of 2.5 deg
-constexpr double kMostUpsideDown = 0.174;     ///< sine of 10 deg: a camera that looks straight down has no up
-constexpr double kRival = 0.8;                ///< support of a second plane that makes the first doubtful
-constexpr double kOtherHeight = 0.03;         ///< metres between two tables
+constexpr std::size_t kScored = 1500;      ///< samples that hypotheses are compared on
+constexpr double kLeastDownward = 0.0436;  ///< sine of 2.5 deg
+constexpr double kMostUpsideDown = 0.174;  ///< sine of 10 deg: a camera that looks straight down has no up
+constexpr double kRival = 0.8;             ///< support of a second plane that makes the first doubtful
+constexpr double kOtherHeight = 0.03;      ///< metres between two tables
 
 /// What a plane must satisfy to be taken for the table.
 struct Usable {
@@ -108,8 +108,9 @@ tl::expected<TableEstimate, NoTable> estimate_table(const TablePoints& points,
     if (points.points[i].z() > 0) cells.push_back(i);
   }
   if (cells.size() < kFewest) {
-    return refuse(fmt::format("only {} of {} samples have depth; look at the depth stream (sextant camera check)",
-                              cells.size(), points.points.size()));
+    return refuse(
+        fmt::format("only {} of {} samples have depth; look at the depth stream (sextant camera check)",
+                    cells.size(), points.points.size()));
   }
   const Usable usable(options);
   const Hypothesis first = best_hypothesis(points, cells, usable);
@@ -119,9 +120,10 @@ tl::expected<TableEstimate, NoTable> estimate_table(const TablePoints& points,
   const TableFit fit = fit_table(points, first.plane);
   const double share = static_cast<double>(fit.inliers) / static_cast<double>(cells.size());
   if (fit.inliers == 0 || share < options.least_share || !usable(fit.plane)) {
-    return refuse(fmt::format("the largest plane below the camera has {:.0f} % of the depth, {:.0f} % are needed; "
-                              "show more of the table",
-                              100 * share, 100 * options.least_share));
+    return refuse(
+        fmt::format("the largest plane below the camera has {:.0f} % of the depth, {:.0f} % are needed; "
+                    "show more of the table",
+                    100 * share, 100 * options.least_share));
   }
   // Is there a second one, parallel but at another height?
   std::vector<std::size_t> rest;

@@ -71,8 +71,7 @@ bool TableFilter::update(const KnownTable& estimate, Time at) {
   const Blend tilt(std::hypot(u.tilt_rad, options_.drift_rad_per_s * seconds), e.tilt_rad);
   const Blend height(std::hypot(u.height_m, options_.drift_m_per_s * seconds), e.height_m);
   TableGeometry& t = state_->table;
-  t.up_in_camera =
-      (t.up_in_camera + tilt.gain * (estimate.table.up_in_camera - t.up_in_camera)).normalized();
+  t.up_in_camera = (t.up_in_camera + tilt.gain * (estimate.table.up_in_camera - t.up_in_camera)).normalized();
   t.camera_height_m += height.gain * (estimate.table.camera_height_m - t.camera_height_m);
   // What follows from tilt and height shrinks as they do.
   u.pitch_rad = e.pitch_rad * tilt.deviation / e.tilt_rad;

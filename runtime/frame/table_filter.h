@@ -11,11 +11,11 @@
 namespace sextant {
 
 struct TableFilterOptions {
-  double drift_rad_per_s = 0.002;   ///< how fast the direction may change, one deviation after a second
-  double drift_m_per_s = 0.001;     ///< how fast the height may change
-  double gate = 4;                  ///< deviations beyond which an estimate is an outlier
-  int outliers_to_restart = 3;      ///< that many in a row, agreeing with each other: the camera has moved
-  double max_age_s = 2;             ///< without an accepted estimate for so long, there is no table
+  double drift_rad_per_s = 0.002;  ///< how fast the direction may change, one deviation after a second
+  double drift_m_per_s = 0.001;    ///< how fast the height may change
+  double gate = 4;                 ///< deviations beyond which an estimate is an outlier
+  int outliers_to_restart = 3;     ///< that many in a row, agreeing with each other: the camera has moved
+  double max_age_s = 2;            ///< without an accepted estimate for so long, there is no table
 };
 
 /// A table with its uncertainty.

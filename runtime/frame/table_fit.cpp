@@ -16,7 +16,7 @@ constexpr int kRounds = 6;
 constexpr int kFewest = 50;
 constexpr int kPatchColumns = 8;
 constexpr int kPatchRows = 6;
-constexpr double kLeastHeightDeviation = 0.001;                      ///< metres
+constexpr double kLeastHeightDeviation = 0.001;                       ///< metres
 constexpr double kLeastTiltDeviation = 0.1 * std::numbers::pi / 180;  ///< radians
 
 /// Linear least squares of a small change of a plane: tilt about two axes and a shift along the normal.
@@ -29,9 +29,7 @@ struct NormalEquations {
   int inliers = 0;
   double squares = 0;
 
-  Eigen::Vector3d row(const Eigen::Vector3d& p) const {
-    return {e1.dot(p - centre), e2.dot(p - centre), 1};
-  }
+  Eigen::Vector3d row(const Eigen::Vector3d& p) const { return {e1.dot(p - centre), e2.dot(p - centre), 1}; }
 };
 
 double weight_at(double z) {
@@ -108,7 +106,8 @@ TableUncertainty uncertainty_of(const TablePoints& points, const TablePlane& pla
   const auto with_floor = [](double value, double floor) { return std::hypot(value, floor); };
   u.height_m = deviation({-n.e1.dot(n.centre), -n.e2.dot(n.centre), 1});
   const Eigen::Matrix2d tilt = covariance.topLeftCorner<2, 2>();
-  u.tilt_rad = std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(tilt).eigenvalues()[1]));
+  u.tilt_rad =
+      std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(tilt).eigenvalues()[1]));
   const double level2 = up.x() * up.x() + up.y() * up.y();
   if (level2 > 1e-4) {
     u.pitch_rad = deviation({-n.e1.z() / std::sqrt(level2), -n.e2.z() / std::sqrt(level2), 0});

@@ -24,7 +24,7 @@ struct TableGeometry {
 
 /// How well a TableGeometry is known: one standard deviation each.
 struct TableUncertainty {
-  double height_m = 0;   ///< of the camera's height above the plane
+  double height_m = 0;  ///< of the camera's height above the plane
   double pitch_rad = 0;
   double roll_rad = 0;   ///< large where the camera looks straight down: roll has no meaning there
   double tilt_rad = 0;   ///< of the normal, in its worst direction

@@ -47,8 +47,7 @@ struct Rig {
     const TableGeometry table = TableGeometry::from_pitch_roll(0.7, 0, 0.6);
     for (int y = 0; y < d.height; ++y) {
       for (int x = 0; x < d.width; ++x) {
-        const double down =
-            -table.up_in_camera.dot(Eigen::Vector3d((x - d.cx) / d.fx, (y - d.cy) / d.fy, 1));
+        const double down = -table.up_in_camera.dot(Eigen::Vector3d((x - d.cx) / d.fx, (y - d.cy) / d.fy, 1));
         if (random() % 20 == 0 || down < 0.25) continue;
         depth.at<float>(y, x) = static_cast<float>(table.camera_height_m / down + noise(random));
       }
@@ -82,8 +81,8 @@ void bm_registration_plain(benchmark::State& state) {
       for (int x = 0; x < d.width; ++x) {
         const double z = rig.depth.at<float>(y, x);
         if (!(z > 0)) continue;
-        const Eigen::Vector3d p =
-            rig.calibration.colour_from_depth * Eigen::Vector3d(z * (x - d.cx) / d.fx, z * (y - d.cy) / d.fy, z);
+        const Eigen::Vector3d p = rig.calibration.colour_from_depth *
+                                  Eigen::Vector3d(z * (x - d.cx) / d.fx, z * (y - d.cy) / d.fy, z);
         const auto u = static_cast<int>(std::lround(c.fx * p.x() / p.z() + c.cx));
         const auto v = static_cast<int>(std::lround(c.fy * p.y() / p.z() + c.cy));
         if (u < 0 || v < 0 || u >= c.width || v >= c.height) continue;
@@ -101,7 +100,8 @@ BENCHMARK(bm_registration_plain)->Arg(640)->Arg(1280)->Unit(benchmark::kMillisec
 /// of both, axial to ray depth.
 void bm_pair_to_search(benchmark::State& state) {
   const Rig rig(static_cast<int>(state.range(0)));
-  FrameComposer composer(rig.calibration, {.rectify = true, .width = static_cast<int>(state.range(1))}, "bench");
+  FrameComposer composer(rig.calibration, {.rectify = true, .width = static_cast<int>(state.range(1))},
+                         "bench");
   StreamSynchroniser<cv::Mat> synchroniser;
   Rectifier rectifier;
   std::int64_t i = 0;

@@ -48,7 +48,8 @@ class DdsCamera : public ::testing::Test {
 TEST_F(DdsCamera, ImagesArrive) {
   TestWriter writer(writing_, &sensor_msgs_msg_dds__Image__desc, topic("image"));
   ASSERT_TRUE(writer.good());
-  const auto source = open_dds_images(std::make_shared<DdsParticipant>(domain_.reading), {.topic = topic("image")});
+  const auto source =
+      open_dds_images(std::make_shared<DdsParticipant>(domain_.reading), {.topic = topic("image")});
   TestImage image("rgb8", 640, 480, 3, 0);
   image.fill({1, 2, 3});
   std::optional<RawImage> got;
@@ -66,7 +67,8 @@ TEST_F(DdsCamera, ImagesArrive) {
 
 TEST_F(DdsCamera, NonsenseIsCountedAndGoodImagesStillCome) {
   TestWriter writer(writing_, &sensor_msgs_msg_dds__Image__desc, topic("image"));
-  const auto source = open_dds_images(std::make_shared<DdsParticipant>(domain_.reading), {.topic = topic("image")});
+  const auto source =
+      open_dds_images(std::make_shared<DdsParticipant>(domain_.reading), {.topic = topic("image")});
   ASSERT_TRUE(until([&] { return writer.matched() > 0; }));
   TestImage bad("bayer_rggb8", 64, 48, 1, 0);
   TestImage old("rgb8", 64, 48, 3, 0);
@@ -105,7 +107,8 @@ TEST_F(DdsCamera, ForeignStampsCanBeReplaced) {
 }
 
 TEST_F(DdsCamera, SaysThatNobodyPublishesAndEndsAtOnce) {
-  const auto source = open_dds_images(std::make_shared<DdsParticipant>(domain_.reading), {.topic = topic("none")});
+  const auto source =
+      open_dds_images(std::make_shared<DdsParticipant>(domain_.reading), {.topic = topic("none")});
   ASSERT_TRUE(until([&] {
     EXPECT_FALSE(source->next(milliseconds(50)));
     return source->state() == SourceState::kWaiting;
@@ -115,7 +118,8 @@ TEST_F(DdsCamera, SaysThatNobodyPublishesAndEndsAtOnce) {
   EXPECT_FALSE(source->next(std::chrono::hours(1)));
   closer.join();
   EXPECT_EQ(source->state(), SourceState::kEnded);
-  EXPECT_THROW(open_dds_images(std::make_shared<DdsParticipant>(domain_.reading), {.topic = "/a b"}), UsageError);
+  EXPECT_THROW(open_dds_images(std::make_shared<DdsParticipant>(domain_.reading), {.topic = "/a b"}),
+               UsageError);
 }
 
 TEST_F(DdsCamera, AStarvedReaderIsMadeAnewWithBackOff) {

@@ -30,9 +30,11 @@ cv::Vec3b colour_of(TestImage& image) {
 }
 
 TEST(ImageMessage, EveryColourEncoding) {
-  const std::vector<std::pair<std::string, std::vector<int>>> cases{
-      {"rgb8", {10, 20, 30}}, {"bgr8", {30, 20, 10}}, {"8UC3", {30, 20, 10}},
-      {"rgba8", {10, 20, 30, 99}}, {"bgra8", {30, 20, 10, 99}}};
+  const std::vector<std::pair<std::string, std::vector<int>>> cases{{"rgb8", {10, 20, 30}},
+                                                                    {"bgr8", {30, 20, 10}},
+                                                                    {"8UC3", {30, 20, 10}},
+                                                                    {"rgba8", {10, 20, 30, 99}},
+                                                                    {"bgra8", {30, 20, 10, 99}}};
   for (const auto& [encoding, pixel] : cases) {
     TestImage image(encoding, 32, 24, static_cast<unsigned>(pixel.size()), 4);
     image.fill(pixel);
@@ -105,8 +107,10 @@ TEST(ImageMessage, RefusesWhatDoesNotKeepItsPromise) {
   EXPECT_THAT(spoilt([](ImageMessage& m) { m.width = 0xFFFFFFFF; }), testing::HasSubstr("pixels"));
   EXPECT_THAT(spoilt([](ImageMessage& m) { m.height = 16384; }), testing::HasSubstr("bytes of data instead"));
   EXPECT_THAT(spoilt([](ImageMessage& m) { m.step = 95; }), testing::HasSubstr("too short"));
-  EXPECT_THAT(spoilt([](ImageMessage& m) { m.step = 0xFFFFFFFF; }), testing::HasSubstr("bytes of data instead"));
-  EXPECT_THAT(spoilt([](ImageMessage& m) { m.data._length -= 1; }), testing::HasSubstr("bytes of data instead"));
+  EXPECT_THAT(spoilt([](ImageMessage& m) { m.step = 0xFFFFFFFF; }),
+              testing::HasSubstr("bytes of data instead"));
+  EXPECT_THAT(spoilt([](ImageMessage& m) { m.data._length -= 1; }),
+              testing::HasSubstr("bytes of data instead"));
   EXPECT_THAT(spoilt([](ImageMessage& m) { m.data._buffer = nullptr; }),
               testing::HasSubstr("bytes of data instead"));
   EXPECT_THAT(spoilt([](ImageMessage& m) { m.header.stamp.nanosec = 1'000'000'000; }),

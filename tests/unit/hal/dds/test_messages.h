@@ -37,7 +37,8 @@ class TestImage {
     for (unsigned y = 0; y < message_.height; ++y) {
       for (unsigned x = 0; x < message_.width; ++x) {
         for (unsigned k = 0; k < bytes_per_pixel_; ++k) {
-          data_[std::size_t{y} * message_.step + x * bytes_per_pixel_ + k] = static_cast<std::uint8_t>(pixel[k]);
+          data_[std::size_t{y} * message_.step + x * bytes_per_pixel_ + k] =
+              static_cast<std::uint8_t>(pixel[k]);
         }
       }
     }

@@ -36,7 +36,8 @@ TEST(TfBuffer, WalksTheTreeUpAndDown) {
   const auto across = buffer.lookup("arm", "camera", at(9), milliseconds(0));
   ASSERT_TRUE(across) << across.error();
   EXPECT_TRUE(across->isApprox(base_arm.inverse() * base_camera, 1e-12));
-  EXPECT_TRUE(buffer.lookup("camera", "camera", at(9), milliseconds(0))->isApprox(RigidTransform::Identity()));
+  EXPECT_TRUE(
+      buffer.lookup("camera", "camera", at(9), milliseconds(0))->isApprox(RigidTransform::Identity()));
 }
 
 TEST(TfBuffer, InterpolatesAndLimitsTheAge) {
@@ -86,7 +87,8 @@ TEST(TfBuffer, RefusesNonsenseAndStaysBounded) {
   buffer.add({"b", "a", at(0), moved(1)}, true);
   EXPECT_FALSE(buffer.lookup("world", "a", at(0), milliseconds(0)));
   int taken = 0;
-  for (int i = 0; i < 2000; ++i) taken += buffer.add({"x", "f" + std::to_string(i), at(0), moved(1)}, true) ? 1 : 0;
+  for (int i = 0; i < 2000; ++i)
+    taken += buffer.add({"x", "f" + std::to_string(i), at(0), moved(1)}, true) ? 1 : 0;
   EXPECT_EQ(taken, 998);
 }
 

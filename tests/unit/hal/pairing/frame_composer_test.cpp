@@ -76,7 +76,8 @@ TEST(FrameComposer, RegisteredDepthIsRectifiedToo) {
   depth(cv::Rect(static_cast<int>(at.x()) - 3, static_cast<int>(at.y()) - 3, 7, 7)).setTo(0.5);
   const RgbdFrame frame = composer.compose(colour_of(calibration.colour), depth);
   const Eigen::Vector2d there = frame.camera.distorted_pixel(tangent);
-  EXPECT_FLOAT_EQ(frame.axial_depth_m.at<float>(static_cast<int>(there.y()), static_cast<int>(there.x())), 0.5);
+  EXPECT_FLOAT_EQ(frame.axial_depth_m.at<float>(static_cast<int>(there.y()), static_cast<int>(there.x())),
+                  0.5);
 }
 
 TEST(FrameComposer, RefusesImagesOfAnotherSize) {

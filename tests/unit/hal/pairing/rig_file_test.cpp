@@ -12,7 +12,8 @@
 namespace sextant {
 namespace {
 
-constexpr char kGood[] = R"(colour: {width: 640, height: 480, fx: 525, fy: 524, cx: 319.5, cy: 239.5, distortion: [0.1, -0.2]}
+constexpr char kGood[] =
+    R"(colour: {width: 640, height: 480, fx: 525, fy: 524, cx: 319.5, cy: 239.5, distortion: [0.1, -0.2]}
 depth: {width: 320, height: 240, fx: 290, fy: 290, cx: 160, cy: 120, metres_per_unit: 0.0002, farthest_m: 4}
 colour_from_depth:
   translation_m: [-0.025, 0, 0.001]

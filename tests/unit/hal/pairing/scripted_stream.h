@@ -16,9 +16,15 @@ namespace sextant {
 /// What a test holds of a stream that the source under test owns.
 class StreamScript {
  public:
-  void push(RawImage image) { change([&] { images_.push_back(std::move(image)); }); }
-  void fail(std::exception_ptr error) { change([&] { error_ = std::move(error); }); }
-  void end() { change([&] { ended_ = true; }); }
+  void push(RawImage image) {
+    change([&] { images_.push_back(std::move(image)); });
+  }
+  void fail(std::exception_ptr error) {
+    change([&] { error_ = std::move(error); });
+  }
+  void end() {
+    change([&] { ended_ = true; });
+  }
   void set_state(SourceState state, std::string condition) {
     change([&] {
       state_ = state;
@@ -53,7 +59,8 @@ class ScriptedStream final : public ImageSource {
   std::optional<RawImage> next(std::chrono::milliseconds timeout) override {
     StreamScript& s = *script_;
     std::unique_lock lock(s.mutex_);
-    s.changed_.wait_for(lock, timeout, [&] { return s.closed_ || s.ended_ || s.error_ || !s.images_.empty(); });
+    s.changed_.wait_for(lock, timeout,
+                        [&] { return s.closed_ || s.ended_ || s.error_ || !s.images_.empty(); });
     if (!s.images_.empty()) {
       RawImage image = std::move(s.images_.front());
       s.images_.pop_front();

@@ -66,7 +66,8 @@ TEST(StreamSynchroniser, TheNearerColourGetsTheDepth) {
   // Depth 20 is within the tolerance of colour 0, but colour 33 is nearer.
   SynchroniserOptions options;
   options.tolerance = milliseconds(25);
-  const Outcome r = run({{kC, milliseconds(0), 0}, {kD, milliseconds(20), 7}, {kC, milliseconds(33), 1}}, options);
+  const Outcome r =
+      run({{kC, milliseconds(0), 0}, {kD, milliseconds(20), 7}, {kC, milliseconds(33), 1}}, options);
   ASSERT_EQ(r.pairs.size(), 1U);
   EXPECT_EQ(r.pairs[0], (std::pair{1, 7}));
   EXPECT_EQ(r.statistics.unpaired[0], 1U);
@@ -96,12 +97,12 @@ TEST(StreamSynchroniser, SharedNumbersDecideWhateverTheClocksSay) {
   SynchroniserOptions options;
   options.shared_sequence = true;
   const Outcome r = run({{kC, milliseconds(0), 5},
-                     {kD, milliseconds(900), 4},
-                     {kD, milliseconds(950), 5},
-                     {kC, milliseconds(66), 7},
-                     {kD, milliseconds(960), 6},
-                     {kD, milliseconds(970), 7}},
-                    options);
+                         {kD, milliseconds(900), 4},
+                         {kD, milliseconds(950), 5},
+                         {kC, milliseconds(66), 7},
+                         {kD, milliseconds(960), 6},
+                         {kD, milliseconds(970), 7}},
+                        options);
   ASSERT_EQ(r.pairs.size(), 2U);
   EXPECT_EQ(r.pairs[0], (std::pair{5, 5}));
   EXPECT_EQ(r.pairs[1], (std::pair{7, 7}));
@@ -153,7 +154,8 @@ TEST(StreamSynchroniser, PairsAreTheMutuallyNearest) {
       if (random() % 6 != 0) events.push_back({kC, milliseconds(33 * i + jitter()), i});
       if (random() % 6 != 0) events.push_back({kD, milliseconds(33 * i + offset + jitter()), i});
     }
-    std::stable_sort(events.begin(), events.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+    std::stable_sort(events.begin(), events.end(),
+                     [](const auto& a, const auto& b) { return a.time < b.time; });
     SynchroniserOptions options;
     options.tolerance = milliseconds(12);
     const Outcome r = run(events, options);
@@ -163,7 +165,8 @@ TEST(StreamSynchroniser, PairsAreTheMutuallyNearest) {
       const Event* best = nullptr;
       for (const Event& e : events) {
         if (e.stream == of.stream) continue;
-        if (!best || std::abs((e.time - of.time).count()) < std::abs((best->time - of.time).count())) best = &e;
+        if (!best || std::abs((e.time - of.time).count()) < std::abs((best->time - of.time).count()))
+          best = &e;
       }
       return best;
     };

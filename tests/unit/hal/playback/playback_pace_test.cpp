@@ -60,7 +60,9 @@ class PlaybackPace : public testing::Test {
     PlaybackClock::Time last{};
     for (int i = 0; i < frames; ++i) {
       if (!source->next(std::chrono::hours(10))) break;
-      if (i > 0) out.push_back(static_cast<int>(std::chrono::round<std::chrono::milliseconds>(clock_->time - last).count()));
+      if (i > 0)
+        out.push_back(
+            static_cast<int>(std::chrono::round<std::chrono::milliseconds>(clock_->time - last).count()));
       last = clock_->time;
     }
     return out;

@@ -20,8 +20,9 @@ class TumDatasetTest : public testing::Test {
   TumDatasetTest() {
     write_text(folder_ / "camera.yaml", kCamera);
     // The third colour image has no depth near it; the second depth image is nearer to 100.030's neighbour.
-    write_text(folder_ / "rgb.txt",
-               "# color images\n# timestamp filename\n100.000 rgb/a.png\n100.033 rgb/b.png\n100.300 rgb/c.png\n");
+    write_text(
+        folder_ / "rgb.txt",
+        "# color images\n# timestamp filename\n100.000 rgb/a.png\n100.033 rgb/b.png\n100.300 rgb/c.png\n");
     write_text(folder_ / "depth.txt", "# depth maps\n100.004 depth/a.png\n100.030 depth/b.png\r\n");
     std::filesystem::create_directories(folder_ / "rgb");
     std::filesystem::create_directories(folder_ / "depth");

@@ -23,7 +23,12 @@ namespace {
 
 RgbdFrame frame(int i, bool with_table = true) {
   RgbdFrame f;
-  f.camera = {.width = 64, .height = 48, .fx = 61.5, .fy = 60.25, .cx = 31.1, .cy = 23.7,
+  f.camera = {.width = 64,
+              .height = 48,
+              .fx = 61.5,
+              .fy = 60.25,
+              .cx = 31.1,
+              .cy = 23.7,
               .distortion = {0.1, -0.2, 0.001, 0.002, 0.05}};
   f.colour = cv::Mat(48, 64, CV_8UC3, cv::Scalar(i, 10, 20));
   f.axial_depth_m = cv::Mat(48, 64, CV_32FC1, cv::Scalar(0.5 + 0.001 * i));
@@ -105,8 +110,9 @@ TEST(Recorder, FailedWritesAreCountedAndTheRestGoesOn) {
   gate->open = -1;
   gate->fail = 2;
   std::vector<std::string> said;
-  Recorder recorder(std::make_unique<GatedSink>(gate),
-                    {.failures_to_give_up = 3, .say = [&](const std::string& line) { said.push_back(line); }});
+  Recorder recorder(
+      std::make_unique<GatedSink>(gate),
+      {.failures_to_give_up = 3, .say = [&](const std::string& line) { said.push_back(line); }});
   for (int i = 0; i < 5; ++i) recorder.offer(frame(i));
   const RecorderStatistics s = recorder.finish(0);
   EXPECT_EQ(s.recorded, 3U);

@@ -45,22 +45,26 @@ Errors measure(const std::filesystem::path& folder) {
     const double tilt = std::atan2(estimate->table.up_in_camera.cross(image.table->up_in_camera).norm(),
                                    estimate->table.up_in_camera.dot(image.table->up_in_camera));
     const TableUncertainty& u = estimate->uncertainty;
-    fmt::print("{}: height {:+.1f} mm (deviation {:.1f}), tilt {:.2f} deg ({:.2f}), pitch {:+.2f} roll {:+.2f}, {:.0f} % inliers\n",
-               where, height, 1e3 * u.height_m, tilt * kDegrees, u.tilt_rad * kDegrees,
-               (estimate->table.pitch_rad() - image.table->pitch_rad()) * kDegrees,
-               (estimate->table.roll_rad() - image.table->roll_rad()) * kDegrees, 100 * estimate->inlier_share);
+    fmt::print(
+        "{}: height {:+.1f} mm (deviation {:.1f}), tilt {:.2f} deg ({:.2f}), pitch {:+.2f} roll {:+.2f}, "
+        "{:.0f} % inliers\n",
+        where, height, 1e3 * u.height_m, tilt * kDegrees, u.tilt_rad * kDegrees,
+        (estimate->table.pitch_rad() - image.table->pitch_rad()) * kDegrees,
+        (estimate->table.roll_rad() - image.table->roll_rad()) * kDegrees, 100 * estimate->inlier_share);
     errors.height_mm.push_back(std::abs(height));
     errors.tilt_deg.push_back(tilt * kDegrees);
     errors.height_deviations.push_back(std::abs(1e-3 * height) / u.height_m);
     errors.tilt_deviations.push_back(tilt / u.tilt_rad);
   }
-  fmt::print("{} frames, {} refused; height median {:.1f} mm, worst {:.1f} mm; tilt median {:.2f} deg, worst {:.2f} deg; "
-             "in claimed deviations: height median {:.1f}, worst {:.1f}, tilt median {:.1f}, worst {:.1f}\n",
-             errors.height_mm.size() + static_cast<std::size_t>(errors.refused), errors.refused,
-             Errors::quantile(errors.height_mm, 0.5), Errors::quantile(errors.height_mm, 1),
-             Errors::quantile(errors.tilt_deg, 0.5), Errors::quantile(errors.tilt_deg, 1),
-             Errors::quantile(errors.height_deviations, 0.5), Errors::quantile(errors.height_deviations, 1),
-             Errors::quantile(errors.tilt_deviations, 0.5), Errors::quantile(errors.tilt_deviations, 1));
+  fmt::print(
+      "{} frames, {} refused; height median {:.1f} mm, worst {:.1f} mm; tilt median {:.2f} deg, worst {:.2f} "
+      "deg; "
+      "in claimed deviations: height median {:.1f}, worst {:.1f}, tilt median {:.1f}, worst {:.1f}\n",
+      errors.height_mm.size() + static_cast<std::size_t>(errors.refused), errors.refused,
+      Errors::quantile(errors.height_mm, 0.5), Errors::quantile(errors.height_mm, 1),
+      Errors::quantile(errors.tilt_deg, 0.5), Errors::quantile(errors.tilt_deg, 1),
+      Errors::quantile(errors.height_deviations, 0.5), Errors::quantile(errors.height_deviations, 1),
+      Errors::quantile(errors.tilt_deviations, 0.5), Errors::quantile(errors.tilt_deviations, 1));
   return errors;
 }
 

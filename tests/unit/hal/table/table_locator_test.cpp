@@ -23,7 +23,8 @@ RgbdFrame table_frame(const TableGeometry& table, int ms, unsigned seed) {
     for (int x = 0; x < 160; ++x) {
       const Eigen::Vector3d ray((x - 79.5) / 140, (y - 59.5) / 140, 1);
       const double down = -table.up_in_camera.dot(ray);
-      if (down > 0.2) f.axial_depth_m.at<float>(y, x) = static_cast<float>(table.camera_height_m / down + noise(random));
+      if (down > 0.2)
+        f.axial_depth_m.at<float>(y, x) = static_cast<float>(table.camera_height_m / down + noise(random));
     }
   }
   f.captured_monotonic = MonotonicTime(std::chrono::hours(1) + std::chrono::milliseconds(ms));

@@ -162,17 +162,16 @@ void expect_matches_scene(const Rig& rig) {
       const Eigen::Vector3d in_depth = depth_from_world * point;
       const Eigen::Vector2d at =
           rig.depth.distorted_pixel({in_depth.x() / in_depth.z(), in_depth.y() / in_depth.z()});
-      const bool in_view = at.x() > 2 && at.y() > 2 && at.x() < rig.depth.width - 3 &&
-                           at.y() < rig.depth.height - 3;
+      const bool in_view =
+          at.x() > 2 && at.y() > 2 && at.x() < rig.depth.width - 3 && at.y() < rig.depth.height - 3;
       const float got = out.at<float>(y, x);
       if (got > 0) {
         if (got < lo - 0.004 || got > hi + 0.004) ++wrong;
         ++checked;
       } else if (in_view && hi - lo < 0.02) {
         // Smooth surroundings: missing only where the depth camera's view of this point is blocked.
-        const double seen =
-            scene.axial(world * colour_from_depth_,
-                        {in_depth.x() / in_depth.z(), in_depth.y() / in_depth.z()});
+        const double seen = scene.axial(world * colour_from_depth_,
+                                        {in_depth.x() / in_depth.z(), in_depth.y() / in_depth.z()});
         if (seen > in_depth.z() - 0.02) ++missing;
       }
     }

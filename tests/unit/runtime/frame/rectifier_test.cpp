@@ -12,7 +12,12 @@ namespace {
 
 RgbdFrame frame(int width, int height, double fx, double fy, double k1, unsigned seed) {
   RgbdFrame f;
-  f.camera = {.width = width, .height = height, .fx = fx, .fy = fy, .cx = 0.5 * width, .cy = 0.5 * height,
+  f.camera = {.width = width,
+              .height = height,
+              .fx = fx,
+              .fy = fy,
+              .cx = 0.5 * width,
+              .cy = 0.5 * height,
               .distortion = {k1}};
   f.colour = cv::Mat(height, width, CV_8UC3);
   f.axial_depth_m = cv::Mat(height, width, CV_32FC1);

@@ -175,12 +175,14 @@ TEST(TableEstimate, TheUncertaintyHolds) {
     for (int y = 0; y < 240; ++y) {
       for (int x = 0; x < 320; ++x) {
         float& d = f.ray_depth_m.at<float>(y, x);
-        if (d > 0) d += static_cast<float>(0.003 * d * std::sin(ax * x + phase_x) * std::sin(ay * y + phase_y));
+        if (d > 0)
+          d += static_cast<float>(0.003 * d * std::sin(ax * x + phase_x) * std::sin(ay * y + phase_y));
       }
     }
     const auto e = estimate_table(f);
     ASSERT_TRUE(e.has_value()) << e.error().reason;
-    const double height = std::abs(e->table.camera_height_m - truth.camera_height_m) / e->uncertainty.height_m;
+    const double height =
+        std::abs(e->table.camera_height_m - truth.camera_height_m) / e->uncertainty.height_m;
     const double tilt =
         std::acos(std::min(1.0, e->table.up_in_camera.dot(truth.up_in_camera))) / e->uncertainty.tilt_rad;
     height_within_1 += height < 1 ? 1 : 0;
@@ -194,8 +196,8 @@ TEST(TableEstimate, TheUncertaintyHolds) {
 
 TEST(TableEstimate, UncertaintyWidensTheSearchTolerance) {
   const TableTolerance plain{0.01, 0.1};
-  const TableTolerance wide = widened(plain, {.height_m = 9, .pitch_rad = 9, .roll_rad = 9, .tilt_rad = 0.02,
-                                              .surface_m = 0.003});
+  const TableTolerance wide =
+      widened(plain, {.height_m = 9, .pitch_rad = 9, .roll_rad = 9, .tilt_rad = 0.02, .surface_m = 0.003});
   EXPECT_DOUBLE_EQ(wide.height_m, 0.016);
   EXPECT_DOUBLE_EQ(wide.angle_rad, 0.14);
   const TableTolerance same = widened(plain, {});
@@ -206,8 +208,8 @@ TEST(TableEstimate, UncertaintyWidensTheSearchTolerance) {
 TEST(TableEstimate, WorksOnFramesWithDistortion) {
   const TableGeometry truth = TableGeometry::from_pitch_roll(0.8, 0.05, 0.6);
   RgbdFrame f;
-  f.camera = {.width = 320, .height = 240, .fx = 262, .fy = 255, .cx = 150, .cy = 125,
-              .distortion = {0.1, -0.05}};
+  f.camera = {
+      .width = 320, .height = 240, .fx = 262, .fy = 255, .cx = 150, .cy = 125, .distortion = {0.1, -0.05}};
   f.axial_depth_m = cv::Mat::zeros(240, 320, CV_32FC1);
   for (int y = 0; y < 240; ++y) {
     for (int x = 0; x < 320; ++x) {

@@ -58,7 +58,8 @@ TEST(TableFilter, OneBadFrameChangesNothing) {
   EXPECT_TRUE(filter.update(estimate(0.7, 0, 0.8), milliseconds(363)));
   // Bad frames that do not agree with each other never become the table.
   for (int i = 0; i < 20; ++i) {
-    EXPECT_FALSE(filter.update(estimate(0.2 + 0.05 * (i % 4), 0.2, 1.2 + 0.1 * (i % 3)), milliseconds(400 + i)));
+    EXPECT_FALSE(
+        filter.update(estimate(0.2 + 0.05 * (i % 4), 0.2, 1.2 + 0.1 * (i % 3)), milliseconds(400 + i)));
   }
   EXPECT_EQ(filter.restarts(), 0);
 }
@@ -76,7 +77,8 @@ TEST(TableFilter, AnOldTableIsNone) {
   EXPECT_FALSE(filter.at(milliseconds(0)));
   filter.update(estimate(0.7, 0, 0.8), milliseconds(0));
   EXPECT_TRUE(filter.at(milliseconds(1900)));
-  EXPECT_GT(filter.at(milliseconds(1900))->uncertainty.height_m, filter.at(milliseconds(0))->uncertainty.height_m);
+  EXPECT_GT(filter.at(milliseconds(1900))->uncertainty.height_m,
+            filter.at(milliseconds(0))->uncertainty.height_m);
   EXPECT_FALSE(filter.at(milliseconds(2100)));
   // Rejected ones keep nothing alive.
   filter.update(estimate(0.2, 0, 1.8), milliseconds(1950));
