@@ -73,8 +73,8 @@ void check_config(const DaemonConfig& config, const std::string& where) {
   }
 }
 
-BopSourceOptions source_options(const DaemonConfig& config) {
-  BopSourceOptions options;
+PlaybackOptions source_options(const DaemonConfig& config) {
+  PlaybackOptions options;
   options.dataset = (config.folder / config.source.dataset).lexically_normal();
   options.split = config.source.split;
   options.scene = config.source.scene;

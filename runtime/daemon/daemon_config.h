@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/playback/bop_source.h"
+#include "hal/playback/playback_source.h"
 #include "runtime/daemon/config_field.h"
 #include "runtime/daemon/pipeline.h"
 #include "runtime/detect/detector.h"
@@ -80,7 +80,7 @@ std::vector<ConfigField> config_fields(DaemonConfig& config);
 void check_config(const DaemonConfig& config, const std::string& where);
 
 /// The parts' own options.
-BopSourceOptions source_options(const DaemonConfig& config);
+PlaybackOptions source_options(const DaemonConfig& config);
 DetectOptions detect_options(const DaemonConfig& config);
 PipelineOptions pipeline_options(const DaemonConfig& config);
 /// object_boxes stays empty. Throws UsageError where ROS_DOMAIN_ID is needed and no number.

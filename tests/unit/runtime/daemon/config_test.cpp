@@ -93,7 +93,7 @@ TEST(Config, ValuesReachTheParts) {
       "320}\n"
       "publish: {domain: 17, namespace: arm, object_pose: \"\", lease_ms: 250}\n"
       "pipeline: {queue_frames: 5, max_age_ms: 2000}\n");
-  const BopSourceOptions source = source_options(config);
+  const PlaybackOptions source = source_options(config);
   EXPECT_EQ(source.dataset, "/data");
   EXPECT_EQ(source.split, "train");
   EXPECT_EQ(source.scene, 3);
