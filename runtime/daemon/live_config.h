@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of the configuration that concerns live cameras: a colour stream, a depth stream, and how the two
-// become frames. Only read where source.kind is v4l2 or libcamera.
+// The part of the configuration that concerns cameras: which streams, and how they are watched.
 #pragma once
 
-#include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "hal/frame_source.h"
+#include "hal/sources/open_source.h"
 #include "runtime/daemon/config_field.h"
 
 namespace sextant {
@@ -17,22 +14,16 @@ namespace sextant {
 struct LiveConfig {
   struct Stream {
     std::string device;
+    std::string topic;
     std::string format = "auto";
-    int width = 640;
-    int height = 480;
     double rate_hz = 30;
     std::vector<std::string> controls;
-    std::string camera;
   } colour, depth;
 
-  std::string depth_encoding = "linear";
-  double depth_nearest_m = 0.1;
-  double depth_farthest_m = 10;
-  bool depth_registered = false;
-  std::vector<std::string> colour_from_depth;
-
-  double pair_tolerance_ms = 17;
-  bool shared_sequence = false;
+  std::string rig;
+  bool rectify = true;
+  double max_age_ms = 100;
+  bool stamp_on_arrival = false;
   double watchdog_ms = 1000;
   int buffers = 4;
 };
@@ -40,15 +31,13 @@ struct LiveConfig {
 std::vector<ConfigSection> live_sections();
 std::vector<ConfigField> live_fields(LiveConfig& config);
 
-/// True for the kinds of source that this is about.
+/// True for the kinds of source that this is about: v4l2, libcamera, dds.
 bool is_live(const std::string& source_kind);
 
-/// Checks what can be checked without the devices. Throws InputError(where).
+/// Checks what can be checked without devices and files. Throws InputError(where).
 void check_live_config(const LiveConfig& config, const std::string& source_kind, const std::string& where);
 
-/// Opens both streams; absent devices are waited for. `folder` is where relative paths start. Throws InputError
-/// for calibrations, UsageError / DeviceError for what the devices do not offer.
-std::unique_ptr<FrameSource> open_live_source(const LiveConfig& config, const std::string& source_kind,
-                                              const std::filesystem::path& folder, const std::string& frame_id);
+/// Fills what concerns cameras; rig is left to the caller, who knows where relative paths start.
+void add_live_options(const LiveConfig& config, const std::string& source_kind, SourceOptions& options);
 
 }  // namespace sextant
