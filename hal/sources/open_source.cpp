@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "hal/libcamera/libcamera_source.h"
 #include "hal/v4l2/v4l2_source.h"
 #include "runtime/base/error.h"
 
@@ -12,6 +13,7 @@ namespace {
 /// A stream of one device.
 std::unique_ptr<ImageSource> open_stream(const std::string& kind, const StreamOptions& options) {
   if (kind == "v4l2") return open_v4l2_source(options);
+  if (kind == "libcamera") return open_libcamera_source(options);
   throw UsageError("a stream of kind \"" + kind + "\" is not in this build", "use v4l2");
 }
 
@@ -69,7 +71,7 @@ std::unique_ptr<FrameSource> open_dds(const SourceOptions& options) {
 
 }  // namespace
 
-std::vector<std::string> source_kinds() { return {"playback", "v4l2", "dds"}; }
+std::vector<std::string> source_kinds() { return {"playback", "v4l2", "libcamera", "dds"}; }
 
 std::unique_ptr<FrameSource> open_source(const SourceOptions& options) {
   if (options.kind == "playback") {

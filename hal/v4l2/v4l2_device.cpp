@@ -21,7 +21,7 @@ V4l2Device::V4l2Device(const std::string& node)
     if (error == EACCES || error == EPERM) {
       throw DeviceError(node, "no permission to open it",
                         "add the user to the group video (usermod -aG video USER, then log in again) or "
-                        "install config/70-sextant-cameras.rules");
+                        "install config/60-sextant-cameras.rules");
     }
     throw DeviceUnready(node, "cannot open it: " + error_text(error), "is it plugged in?");
   }

@@ -49,6 +49,22 @@ class Reporter {
     if (report.fate != FrameFate::kFailed) notifier_.progress();
   }
 
+  /// A source that waits for its device is alive, and starting again would not bring the device back.
+  void condition(const FrameSource& source) {
+    const bool waits = source.state() == SourceState::kWaiting;
+    if (waits) notifier_.progress();
+    if (waits != waited_) {
+      const std::string text = source.condition();
+      if (waits) {
+        spdlog::warn("waiting for frames: {}", text);
+      } else {
+        spdlog::info("frames come again: {}", text);
+      }
+      notifier_.status(waits ? "waiting for frames: " + text : "frames come");
+    }
+    waited_ = waits;
+  }
+
   /// Every ten seconds, and at the end.
   void statistics(const Pipeline& pipeline, const FrameSource& source, const Publisher& publisher, bool now) {
     if (!now && Clock::now() - last_statistics_ < kStatusPeriod) return;
@@ -68,6 +84,7 @@ class Reporter {
   ServiceNotifier notifier_;
   RateLimiter limiter_{5, std::chrono::seconds(10)};
   Clock::time_point last_statistics_ = Clock::now();
+  bool waited_ = false;
 };
 
 }  // namespace
@@ -114,6 +131,7 @@ void run_daemon(FrameSource& source, const DetectFunction& detect, Publisher& pu
       spdlog::info("{}: ending", *signal == SIGTERM ? "SIGTERM" : "SIGINT");
       asked_to_end = true;
     }
+    reporter.condition(source);
     reporter.statistics(pipeline, source, publisher, false);
   }
   reporter.stopping();

@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "hal/playback/playback_source.h"
+#include "hal/sources/open_source.h"
 #include "runtime/daemon/config_field.h"
+#include "runtime/daemon/live_config.h"
 #include "runtime/daemon/pipeline.h"
 #include "runtime/detect/detector.h"
 #include "runtime/publish/publisher.h"
@@ -29,6 +30,8 @@ struct DaemonConfig {
     bool loop = false;
     std::string frame_id = "camera_color_optical_frame";
   } source;
+
+  LiveConfig live;
 
   struct Models {
     std::vector<std::string> files;
@@ -65,6 +68,7 @@ struct DaemonConfig {
   struct Flow {
     int queue_frames = PipelineOptions().queue_frames;
     double max_age_ms = PipelineOptions().max_age_ms;
+    std::optional<double> max_frame_age_ms;
   } pipeline;
 
   struct Log {
@@ -80,7 +84,7 @@ std::vector<ConfigField> config_fields(DaemonConfig& config);
 void check_config(const DaemonConfig& config, const std::string& where);
 
 /// The parts' own options.
-PlaybackOptions source_options(const DaemonConfig& config);
+SourceOptions source_options(const DaemonConfig& config);
 DetectOptions detect_options(const DaemonConfig& config);
 PipelineOptions pipeline_options(const DaemonConfig& config);
 /// object_boxes stays empty. Throws UsageError where ROS_DOMAIN_ID is needed and no number.

@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "hal/playback/playback_source.h"
+#include "hal/sources/open_source.h"
 #include "runtime/base/error.h"
 #include "runtime/base/rate_limiter.h"
 #include "runtime/base/version.h"
@@ -48,7 +48,7 @@ void run(const DaemonConfig& config, bool once, SignalWaiter& signals) {
   PublisherOptions publishing = publisher_options(config);
   publishing.object_boxes = object_boxes(models);
   Detector detector(std::move(models), detect_options(config));
-  const std::unique_ptr<FrameSource> source = open_playback(source_options(config));
+  const std::unique_ptr<FrameSource> source = open_source(source_options(config));
   RateLimiter limiter(5, std::chrono::seconds(10));
   auto publisher = std::make_unique<Publisher>(publishing, [&](const std::string& line) {
     std::uint64_t held_back = 0;
