@@ -39,12 +39,30 @@ class Reporter {
       const std::string more = held_back > 0 ? fmt::format(" ({} such lines held back)", held_back) : "";
       if (report.fate == FrameFate::kTooOld) {
         spdlog::warn("frame {}: result not published, {}{}", report.sequence, report.reason, more);
+      } else if (report.fate == FrameFate::kStale) {
+        spdlog::warn("frame {}: not searched, {}{}", report.sequence, report.reason, more);
       } else {
         spdlog::error("frame failed: {}{}", report.reason, more);
       }
     }
     // A frame that fails is no progress; one that is only late is.
     if (report.fate != FrameFate::kFailed) notifier_.progress();
+  }
+
+  /// A source that waits for its device is alive, and starting again would not bring the device back.
+  void condition(const FrameSource& source) {
+    const bool waits = source.state() == SourceState::kWaiting;
+    if (waits) notifier_.progress();
+    if (waits != waited_) {
+      const std::string text = source.condition();
+      if (waits) {
+        spdlog::warn("waiting for frames: {}", text);
+      } else {
+        spdlog::info("frames come again: {}", text);
+      }
+      notifier_.status(waits ? "waiting for frames: " + text : "frames come");
+    }
+    waited_ = waits;
   }
 
   /// Every ten seconds, and at the end.
@@ -55,9 +73,9 @@ class Reporter {
     const SourceStatistics s = source.statistics();
     const PublisherStatistics d = publisher.statistics();
     const std::string line = fmt::format(
-        "{} frames published; {} from the source ({} lost), {} dropped while waiting, {} too old, {} failed, "
-        "{} writes timed out",
-        p.published, s.delivered, s.dropped, p.dropped, p.too_old, p.failed, d.timeouts);
+        "{} frames published; {} from the source (dropped: {}), {} dropped while waiting, {} stale, {} too "
+        "old, {} failed, {} writes timed out",
+        p.published, s.delivered, describe_drops(s), p.dropped, p.stale, p.too_old, p.failed, d.timeouts);
     spdlog::info(line);
     notifier_.status(line);
   }
@@ -66,6 +84,7 @@ class Reporter {
   ServiceNotifier notifier_;
   RateLimiter limiter_{5, std::chrono::seconds(10)};
   Clock::time_point last_statistics_ = Clock::now();
+  bool waited_ = false;
 };
 
 }  // namespace
@@ -112,6 +131,7 @@ void run_daemon(FrameSource& source, const DetectFunction& detect, Publisher& pu
       spdlog::info("{}: ending", *signal == SIGTERM ? "SIGTERM" : "SIGINT");
       asked_to_end = true;
     }
+    reporter.condition(source);
     reporter.statistics(pipeline, source, publisher, false);
   }
   reporter.stopping();

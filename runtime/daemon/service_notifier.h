@@ -14,7 +14,8 @@ class ServiceNotifier {
 
   /// The source is open, the models are loaded, the writers stand.
   void ready() const;
-  /// A frame passed. The watchdog lives on nothing else: when frames stop, systemd restarts the service.
+  /// A frame passed, or the source waits for a device that is away. The watchdog lives on nothing else: when
+  /// frames stop without a reason, systemd restarts the service.
   void progress();
   /// An orderly end begins.
   void stopping() const;

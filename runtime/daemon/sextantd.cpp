@@ -7,9 +7,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <vector>
 
-#include "hal/playback/bop_source.h"
+#include "hal/sources/open_source.h"
+#include "hal/table/table_locator.h"
 #include "runtime/base/error.h"
 #include "runtime/base/rate_limiter.h"
 #include "runtime/base/version.h"
@@ -48,7 +50,7 @@ void run(const DaemonConfig& config, bool once, SignalWaiter& signals) {
   PublisherOptions publishing = publisher_options(config);
   publishing.object_boxes = object_boxes(models);
   Detector detector(std::move(models), detect_options(config));
-  const std::unique_ptr<FrameSource> source = open_bop_source(source_options(config));
+  const std::unique_ptr<FrameSource> source = open_source(source_options(config));
   RateLimiter limiter(5, std::chrono::seconds(10));
   auto publisher = std::make_unique<Publisher>(publishing, [&](const std::string& line) {
     std::uint64_t held_back = 0;
@@ -66,8 +68,15 @@ void run(const DaemonConfig& config, bool once, SignalWaiter& signals) {
     spdlog::shutdown();
     std::_Exit(static_cast<int>(ExitCode::kDone));
   };
-  run_daemon(
-      *source, [&](const RgbdFrame& frame) { return detector.detect(frame); }, *publisher, signals, options);
+  std::optional<TableLocator> locator;
+  if (const auto table = table_options(config)) locator.emplace(*table);
+  const auto detect = [&](const RgbdFrame& frame) {
+    if (!locator) return detector.detect(frame);
+    RgbdFrame located = frame;  // shares the pixels
+    locator->locate(located);
+    return detector.detect(located);
+  };
+  run_daemon(*source, detect, *publisher, signals, options);
 }
 
 int run_program(const Arguments& arguments) {

@@ -74,12 +74,13 @@ struct Detector::Impl {
   DetectOptions options;
   std::vector<SearchedObject> objects;
   WorkerPool pool;
+  Rectifier rectifier;
   FrameTables tables;
   LaneTables lane_tables;
   LaneSearch lane_search;
 
   Impl(std::vector<ObjectModel> m, DetectOptions o)
-      : models(std::move(m)), options(std::move(o)), pool(options.threads) {
+      : models(std::move(m)), options(std::move(o)), pool(options.threads), rectifier(options.search_width) {
     check(options);
     if (models.empty()) throw UsageError("no model to look for", "give at least one compiled model");
     const Scoring scoring = scoring_from_name(options.scoring);
@@ -96,25 +97,30 @@ struct Detector::Impl {
     }
   }
 
-  std::optional<TableGeometry> table_for(const RgbdFrame& frame, const SearchFrame& rectified) const {
+  /// The table, with the tolerance of the search widened by what is not known of it.
+  struct SearchedTable {
+    TableGeometry table;
+    TableTolerance tolerance;
+  };
+
+  std::optional<SearchedTable> table_for(const RgbdFrame& frame, const SearchFrame& rectified) const {
     const std::string where = "image " + std::to_string(frame.image_id);
     switch (options.table) {
       case TableSource::kNone:
         return std::nullopt;
       case TableSource::kFixed:
-        return options.fixed_table;
+        return SearchedTable{options.fixed_table, options.tolerance};
       case TableSource::kFrame:
         if (!frame.table) {
           throw InputError(where, "the frame does not say where the table is",
                            "add scene_table.json, or use a table estimate, fixed values, or none");
         }
-        return frame.table;
+        return SearchedTable{
+            *frame.table, widened(options.tolerance, frame.table_uncertainty.value_or(TableUncertainty{}))};
       case TableSource::kEstimate: {
         const auto estimate = estimate_table(rectified);
-        if (!estimate) {
-          throw InputError(where, "no table is visible in the depth image", "point the camera at the table");
-        }
-        return estimate->table;
+        if (!estimate) throw InputError(where, "no table", estimate.error().reason);
+        return SearchedTable{estimate->table, widened(options.tolerance, estimate->uncertainty)};
       }
     }
     return std::nullopt;
@@ -139,16 +145,16 @@ struct Detector::Impl {
     result.image_id = frame.image_id;
 
     const auto start = Clock::now();
-    const SearchFrame rectified = sextant::rectified(frame, options.search_width);
+    const SearchFrame rectified = rectifier.rectified(frame);
     const cv::Mat edges = edges_by_direction(rectified.colour);
-    const std::optional<TableGeometry> table = table_for(frame, rectified);
+    const std::optional<SearchedTable> table = table_for(frame, rectified);
     result.seconds.features = seconds_since(start);
 
     const auto tables_start = Clock::now();
     std::vector<Constraint> constraints;
     for (const ObjectModel& model : models) {
       std::optional<TableConstraint> standing;
-      if (table) standing = TableConstraint{*table, options.tolerance, model.centre_height_m};
+      if (table) standing = TableConstraint{table->table, table->tolerance, model.centre_height_m};
       constraints.emplace_back(rectified.camera, options.min_distance_m, options.max_distance_m, standing);
     }
     const bool lanes = options.bound == "lanes";

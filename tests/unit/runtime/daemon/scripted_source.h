@@ -29,7 +29,9 @@ class ScriptedSource : public FrameSource {
     RgbdFrame frame;
     frame.colour = cv::Mat::zeros(4, 4, CV_8UC3);
     frame.axial_depth_m = cv::Mat::ones(4, 4, CV_32FC1);
-    frame.captured_at = std::chrono::system_clock::now();
+    const CaptureStamp now = read_clocks();
+    frame.captured_at = now.realtime;
+    frame.captured_monotonic = now.monotonic;
     frame.sequence = sequence_++;
     frame.frame_id = "camera";
     ++statistics_.delivered;
@@ -39,7 +41,8 @@ class ScriptedSource : public FrameSource {
   }
   SourceState state() const override {
     const std::lock_guard lock(mutex_);
-    return closed_ || (ends_ && sequence_ >= frames_) ? SourceState::kEnded : SourceState::kRunning;
+    if (closed_ || (ends_ && sequence_ >= frames_)) return SourceState::kEnded;
+    return waits_ && sequence_ >= frames_ ? SourceState::kWaiting : SourceState::kRunning;
   }
   SourceStatistics statistics() const override {
     const std::lock_guard lock(mutex_);
@@ -50,8 +53,14 @@ class ScriptedSource : public FrameSource {
     closed_ = true;
     changed_.notify_all();
   }
+  std::string condition() const override { return "the scripted device is away"; }
   /// Never ends by itself.
   void run_forever() { ends_ = false; }
+  /// After its frames it waits for its device, for ever.
+  void lose_device() {
+    ends_ = false;
+    waits_ = true;
+  }
 
  private:
   const std::int64_t frames_;
@@ -62,7 +71,14 @@ class ScriptedSource : public FrameSource {
   SourceStatistics statistics_;
   bool closed_ = false;
   bool ends_ = true;
+  bool waits_ = false;
 };
+
+/// Moves a frame's capture on both clocks.
+inline void shift_capture(RgbdFrame& frame, std::chrono::nanoseconds by) {
+  frame.captured_at += by;
+  frame.captured_monotonic += by;
+}
 
 /// A detection that finds nothing: carries the frame's identity over.
 inline FrameResult empty_result(const RgbdFrame& frame) {
