@@ -7,6 +7,7 @@
 
 #include "hal/dds/image_topics.h"
 #include "hal/image/image_file.h"
+#include "hal/libcamera/libcamera_source.h"
 #include "hal/v4l2/v4l2_devices.h"
 #include "hal/v4l2/v4l2_modes.h"
 #include "offline/cli/camera_measurement.h"
@@ -65,7 +66,13 @@ void print_device(const CameraDevice& d) {
 }
 
 int run_list(const ListArguments& a) {
-  const std::vector<CameraDevice> devices = list_v4l2_devices(true);
+  std::vector<CameraDevice> devices = list_v4l2_devices(true);
+  try {
+    const std::vector<CameraDevice> more = list_libcamera_devices(true);
+    devices.insert(devices.end(), more.begin(), more.end());
+  } catch (const std::exception& error) {  // its manager does not start: the others are still there
+    fmt::print(stderr, "sextant camera: libcamera: {}\n", error.what());
+  }
   std::vector<std::string> topics;
   std::string dds_problem;
   if (!a.no_dds) {

@@ -1,32 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "offline/cli/stop_on_signal.h"
 
-#include <csignal>
-
 namespace sextant {
+
 namespace {
 
-/// Set by a signal; a handler can reach nothing but a global.
-volatile std::sig_atomic_t stop = 0;
-
-struct sigaction old_interrupt {};
-struct sigaction old_terminate {};
+volatile std::sig_atomic_t stop_requested = 0;
 
 }  // namespace
 
 StopOnSignal::StopOnSignal() {
-  stop = 0;
+  stop_requested = 0;
   struct sigaction action {};
-  action.sa_handler = [](int) { stop = 1; };
-  sigaction(SIGINT, &action, &old_interrupt);
-  sigaction(SIGTERM, &action, &old_terminate);
+  action.sa_handler = [](int) { stop_requested = 1; };
+  sigaction(SIGINT, &action, &old_interrupt_);
+  sigaction(SIGTERM, &action, &old_terminate_);
 }
 
 StopOnSignal::~StopOnSignal() {
-  sigaction(SIGINT, &old_interrupt, nullptr);
-  sigaction(SIGTERM, &old_terminate, nullptr);
+  sigaction(SIGINT, &old_interrupt_, nullptr);
+  sigaction(SIGTERM, &old_terminate_, nullptr);
 }
 
-bool StopOnSignal::requested() const { return stop != 0; }
+bool StopOnSignal::requested() const { return stop_requested != 0; }
 
 }  // namespace sextant

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ctrl-C ends the work instead of the process: what was done so far is finished and said.
+// SIGINT and SIGTERM as a question: has the user had enough? For commands that wait.
 #pragma once
+
+#include <csignal>
 
 namespace sextant {
 
-/// While it lives, SIGINT and SIGTERM set a flag. One per process.
+/// While it lives, the two signals are only noted.
 class StopOnSignal {
  public:
   StopOnSignal();
@@ -12,6 +14,10 @@ class StopOnSignal {
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
   bool requested() const;
+
+ private:
+  struct sigaction old_interrupt_ {};
+  struct sigaction old_terminate_ {};
 };
 
 }  // namespace sextant

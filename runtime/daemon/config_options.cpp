@@ -48,9 +48,10 @@ unsigned domain_of(const DaemonConfig& config) {
 
 void check_config(const DaemonConfig& config, const std::string& where) {
   check_live_config(config.live, config.source.kind, where);
-  if (is_live(config.source.kind) && config.detect.table == "frame") {
+  check_table_config(config.table, config.detect.table, where);
+  if (is_live(config.source.kind) && config.detect.table == "frame" && config.table.source == "detect") {
     throw InputError(where, "detect.table is frame, but a camera does not say where the table is",
-                     "use estimate, or fixed with the table_ keys");
+                     "set table.source, or use estimate, or fixed with the table_ keys");
   }
   if (!is_live(config.source.kind) && config.source.dataset.empty()) {
     throw InputError(where, "source.dataset is missing", "give the folder of a BOP data set");
@@ -116,6 +117,10 @@ DetectOptions detect_options(const DaemonConfig& config) {
   options.min_distance_m = d.min_distance_m;
   options.max_distance_m = d.max_distance_m;
   return options;
+}
+
+std::optional<TableLocatorOptions> table_options(const DaemonConfig& config) {
+  return locator_options(config.table, detect_options(config).fixed_table, domain_of(config));
 }
 
 PipelineOptions pipeline_options(const DaemonConfig& config) {

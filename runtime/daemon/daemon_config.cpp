@@ -32,6 +32,7 @@ std::vector<ConfigSection> config_sections() {
       {"log", "Lines on stderr."},
   };
   const std::vector<ConfigSection> live = live_sections();
+  sections.insert(sections.begin() + 1, table_section());
   sections.insert(sections.begin() + 1, live.begin(), live.end());
   return sections;
 }
@@ -279,6 +280,7 @@ std::vector<ConfigField> config_fields(DaemonConfig& c) {
        .choices = {"debug", "info", "warn", "error"}},
   };
   for (ConfigField& field : live_fields(c.live)) fields.push_back(std::move(field));
+  for (ConfigField& field : table_fields(c.table)) fields.push_back(std::move(field));
   return fields;
 }
 

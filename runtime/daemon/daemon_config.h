@@ -11,6 +11,7 @@
 #include "runtime/daemon/config_field.h"
 #include "runtime/daemon/live_config.h"
 #include "runtime/daemon/pipeline.h"
+#include "runtime/daemon/table_config.h"
 #include "runtime/detect/detector.h"
 #include "runtime/publish/publisher.h"
 
@@ -32,6 +33,7 @@ struct DaemonConfig {
   } source;
 
   LiveConfig live;
+  TableConfig table;
 
   struct Models {
     std::vector<std::string> files;
@@ -86,6 +88,8 @@ void check_config(const DaemonConfig& config, const std::string& where);
 /// The parts' own options.
 SourceOptions source_options(const DaemonConfig& config);
 DetectOptions detect_options(const DaemonConfig& config);
+/// Nothing where detect.table says where the table is.
+std::optional<TableLocatorOptions> table_options(const DaemonConfig& config);
 PipelineOptions pipeline_options(const DaemonConfig& config);
 /// object_boxes stays empty. Throws UsageError where ROS_DOMAIN_ID is needed and no number.
 PublisherOptions publisher_options(const DaemonConfig& config);

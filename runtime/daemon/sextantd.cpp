@@ -7,9 +7,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "hal/sources/open_source.h"
+#include "hal/table/table_locator.h"
 #include "runtime/base/error.h"
 #include "runtime/base/rate_limiter.h"
 #include "runtime/base/version.h"
@@ -66,8 +68,15 @@ void run(const DaemonConfig& config, bool once, SignalWaiter& signals) {
     spdlog::shutdown();
     std::_Exit(static_cast<int>(ExitCode::kDone));
   };
-  run_daemon(
-      *source, [&](const RgbdFrame& frame) { return detector.detect(frame); }, *publisher, signals, options);
+  std::optional<TableLocator> locator;
+  if (const auto table = table_options(config)) locator.emplace(*table);
+  const auto detect = [&](const RgbdFrame& frame) {
+    if (!locator) return detector.detect(frame);
+    RgbdFrame located = frame;  // shares the pixels
+    locator->locate(located);
+    return detector.detect(located);
+  };
+  run_daemon(*source, detect, *publisher, signals, options);
 }
 
 int run_program(const Arguments& arguments) {
