@@ -26,7 +26,7 @@ struct RecorderOptions {
   /// So many failures in a row end the recording: the disk will not recover by itself.
   int failures_to_give_up = 30;
   /// Called with one line when frames begin to be lost and when that is over; from either thread.
-  std::function<void(const std::string&)> say;
+  std::function<void(const std::string&)> say{};
 };
 
 class Recorder {

@@ -24,7 +24,7 @@ class FrameSink {
 };
 
 struct RecordingOptions {
-  std::filesystem::path folder;  ///< of the data set; made where it does not exist
+  std::filesystem::path folder{};  ///< of the data set; made where it does not exist
   std::string split = "test";
   double depth_scale_mm = 0.1;  ///< of the 16-bit depth files: 0.1 reaches 6.5 m
   int png_compression = 1;      ///< 0..9 of zlib: 1 keeps up with a camera

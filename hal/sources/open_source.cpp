@@ -52,8 +52,12 @@ std::unique_ptr<FrameSource> open_devices(const SourceOptions& options) {
       rig.calibration.depth_is_registered ? rig.calibration.colour : rig.calibration.depth;
   auto colour = open_stream(
       options.kind, stream_of(options.colour, rig.calibration.colour, false, options.max_age, "colour"));
-  auto depth = open_stream(options.depth_kind.empty() ? options.kind : options.depth_kind,
-                           stream_of(options.depth, depth_camera, true, options.max_age, "depth"));
+  // libcamera has no depth cameras.
+  const std::string depth_kind = !options.depth_kind.empty()   ? options.depth_kind
+                                 : options.kind == "libcamera" ? "v4l2"
+                                                               : options.kind;
+  auto depth =
+      open_stream(depth_kind, stream_of(options.depth, depth_camera, true, options.max_age, "depth"));
   return pair_streams(std::move(colour), std::move(depth), std::move(pairing));
 }
 

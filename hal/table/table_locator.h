@@ -25,21 +25,21 @@ enum class TableOrigin : std::uint8_t {
 
 struct TableLocatorOptions {
   TableOrigin origin = TableOrigin::kEstimate;
-  TableGeometry fixed;            ///< of kFixed
+  TableGeometry fixed{};          ///< of kFixed
   double height_deviation_m = 0;  ///< of kFixed and kDds: how well the camera's height is known
   double tilt_deviation_rad = 0;  ///< and the direction of gravity
   // kDds
   unsigned domain = 0;
-  std::string pose_topic;                  ///< PoseStamped of the camera's optical frame; empty: tf
+  std::string pose_topic{};                ///< PoseStamped of the camera's optical frame; empty: tf
   std::string world_frame = "base_link";   ///< z up; the pose topic's own frame_id where that is used
   double table_height_m = 0;               ///< of the table's surface in the world frame
   std::chrono::milliseconds max_age{200};  ///< of a transform, against the frame's capture
   // kEstimate
-  TableEstimateOptions estimate;
+  TableEstimateOptions estimate{};
   /// Gravity for the estimate: none, `fixed`'s direction, or that of kDds.
   enum class Prior : std::uint8_t { kNone, kFixed, kDds } prior = Prior::kNone;
   bool filter = true;  ///< average over time; off: every frame for itself
-  TableFilterOptions filtering;
+  TableFilterOptions filtering{};
 };
 
 /// One thread.

@@ -15,17 +15,18 @@ constexpr float kFarthest = 100.0F;        ///< metres; what lies beyond is no d
 constexpr float kSameSurface = 0.02F;      ///< of the depth: neighbours that differ by less belong together
 constexpr float kLargestFootprint = 3.0F;  ///< of a nominal half pixel, where a surface is stretched
 constexpr float kOffset = 16384.0F;        ///< makes pixels positive, so that truncation is floor
+constexpr float kMissing = 1e9F;           ///< metres: farther than any sample
 constexpr double kLongestBaseline = 2.0;   ///< metres
 
 /// floor() for values above -kOffset, in a form that compilers vectorise.
 inline int floor_of(float value) { return static_cast<int>(value + kOffset) - static_cast<int>(kOffset); }
 
-/// Middle between a sample and its neighbour where both lie on one surface, else a nominal half pixel away;
-/// never farther than `limit`. sign: on which side the neighbour lies.
-inline float edge_between(float at, float z, float other, float other_z, float half, float sign) {
-  const bool together = other_z > 0 && std::abs(other_z - z) < kSameSurface * z;
-  const float reach = together ? 0.5F * (other - at) * sign : half;
-  return at + sign * std::min(reach, kLargestFootprint * half);
+/// How far a footprint reaches towards a neighbour `step` pixels away: half the way where both samples lie on
+/// one surface, else a nominal half pixel; never farther than `limit`. No branches: compilers vectorise it.
+inline float reach_of(float step, float z, float other_z, float half, float limit) {
+  const bool together = (other_z > 0.0F) & (std::abs(other_z - z) < kSameSurface * z);
+  const float reach = together ? 0.5F * step : half;
+  return reach < limit ? reach : limit;
 }
 
 }  // namespace
@@ -48,6 +49,12 @@ DepthRegistration::DepthRegistration(const CameraModel& depth, const CameraModel
     throw InputError(where, "the pose of the depth camera in the colour camera is no rigid motion of < 2 m",
                      "give a rotation and a translation in metres");
   }
+  for (const double x : {-0.5, 0.5 * colour.width, colour.width - 0.5}) {
+    for (const double y : {-0.5, 0.5 * colour.height, colour.height - 0.5}) {
+      const double tangent2 = colour.undistorted_tangent(x, y).squaredNorm();
+      farthest_tangent2_ = std::max(farthest_tangent2_, static_cast<float>(1.1 * tangent2));
+    }
+  }
   const auto width = static_cast<std::size_t>(depth.width);
   const std::size_t pixels = width * static_cast<std::size_t>(depth.height);
   for (auto& coordinate : rays_) coordinate.resize(pixels);
@@ -60,20 +67,20 @@ DepthRegistration::DepthRegistration(const CameraModel& depth, const CameraModel
     }
   }
   for (Row& row : rows_) {
-    for (auto* values : {&row.u, &row.v, &row.z}) values->assign(width, 0);
+    for (auto* values : {&row.u, &row.v, &row.z}) values->assign(width + 2, 0);
   }
   for (auto* values : {&left_, &right_, &top_, &bottom_}) values->assign(width, 0);
 }
 
 void DepthRegistration::project(const cv::Mat& depth, int y, Row& row) const {
-  const auto* in = depth.ptr<float>(y);
+  const float* __restrict in = depth.ptr<float>(y);
   const std::size_t start = static_cast<std::size_t>(y) * static_cast<std::size_t>(depth_.width);
   const float* rx = rays_[0].data() + start;
   const float* ry = rays_[1].data() + start;
   const float* rz = rays_[2].data() + start;
-  float* u = row.u.data();
-  float* v = row.v.data();
-  float* z = row.z.data();
+  float* __restrict u = row.u.data() + 1;
+  float* __restrict v = row.v.data() + 1;
+  float* __restrict z = row.z.data() + 1;
   const float tx = translation_.x();
   const float ty = translation_.y();
   const float tz = translation_.z();
@@ -85,20 +92,28 @@ void DepthRegistration::project(const cv::Mat& depth, int y, Row& row) const {
   // Pixels far outside are clamped there, so that later conversions to integers are defined.
   const float least = -0.5F * kOffset;
   const float most = 2.0F * kOffset;
+  // Written for compilers to vectorise: one selection a line, no &&, two loops instead of a guarded division.
   for (int x = 0; x < width; ++x) {
-    const float d = in[x];
-    const float zc = rz[x] * d + tz;
-    // Written so that a NaN is missing.
-    const bool usable = (d > 0) & (d < kFarthest) & (zc > kNearest);
-    const float inverse = 1.0F / (usable ? zc : 1.0F);
-    const float dd = usable ? d : 0.0F;
-    u[x] = (rx[x] * dd + tx) * inverse;
-    v[x] = (ry[x] * dd + ty) * inverse;
-    z[x] = usable ? zc : 0.0F;
+    const float d = std::max(0.0F, in[x]);  // a NaN becomes 0
+    const float there = rz[x] * d + tz;
+    const float margin = std::min(std::min(d, kFarthest - d), there - kNearest);
+    u[x] = margin > 0.0F ? d : 0.0F;
+    z[x] = margin > 0.0F ? there : 0.0F;
+  }
+  for (int x = 0; x < width; ++x) {
+    const float d = u[x];
+    const float inverse = 1.0F / std::max(z[x], kNearest);
+    u[x] = (rx[x] * d + tx) * inverse;
+    v[x] = (ry[x] * d + ty) * inverse;
   }
   if (colour_distorted_) {
     for (int x = 0; x < width; ++x) {
       if (z[x] <= 0) continue;
+      // Far outside of the image the lens polynomial may fold back into it.
+      if (u[x] * u[x] + v[x] * v[x] > farthest_tangent2_) {
+        z[x] = 0;
+        continue;
+      }
       const Eigen::Vector2d p = colour_.distorted_pixel({u[x], v[x]});
       u[x] = std::clamp(static_cast<float>(p.x()), least, most);
       v[x] = std::clamp(static_cast<float>(p.y()), least, most);
@@ -111,31 +126,47 @@ void DepthRegistration::project(const cv::Mat& depth, int y, Row& row) const {
   }
 }
 
-void DepthRegistration::splat(const Row& above, const Row& row, const Row& below, cv::Mat& out) {
+void DepthRegistration::splat(const Row& above_row, const Row& row, const Row& below_row, cv::Mat& out) {
   const int width = depth_.width;
-  const float* u = row.u.data();
-  const float* v = row.v.data();
-  const float* z = row.z.data();
+  // Behind the leading missing sample.
+  const float* u = row.u.data() + 1;
+  const float* v = row.v.data() + 1;
+  const float* z = row.z.data() + 1;
+  const float* v_above = above_row.v.data() + 1;
+  const float* z_above = above_row.z.data() + 1;
+  const float* v_below = below_row.v.data() + 1;
+  const float* z_below = below_row.z.data() + 1;
+  int* __restrict left = left_.data();
+  int* __restrict right = right_.data();
+  int* __restrict top = top_.data();
+  int* __restrict bottom = bottom_.data();
+  const float half_x = half_x_;
+  const float half_y = half_y_;
+  const float limit_x = kLargestFootprint * half_x;
+  const float limit_y = kLargestFootprint * half_y;
+  // The centres in (left, right] x (top, bottom]: half-open, so that touching footprints share none.
   for (int x = 0; x < width; ++x) {
-    const int before = std::max(x - 1, 0);
-    const int after = std::min(x + 1, width - 1);
-    // At the border of the image the neighbour is the sample itself: made missing by its depth.
-    left_[x] = edge_between(u[x], z[x], u[before], x > 0 ? z[before] : 0, half_x_, -1);
-    right_[x] = edge_between(u[x], z[x], u[after], x + 1 < width ? z[after] : 0, half_x_, 1);
-    top_[x] = edge_between(v[x], z[x], above.v[x], above.z[x], half_y_, -1);
-    bottom_[x] = edge_between(v[x], z[x], below.v[x], below.z[x], half_y_, 1);
+    left[x] = floor_of(u[x] - reach_of(u[x] - u[x - 1], z[x], z[x - 1], half_x, limit_x)) + 1;
+    right[x] = floor_of(u[x] + reach_of(u[x + 1] - u[x], z[x], z[x + 1], half_x, limit_x));
   }
   for (int x = 0; x < width; ++x) {
-    if (z[x] <= 0) continue;
-    // The centres in (left, right] x (top, bottom]: half-open, so that touching footprints share none.
-    const int x0 = std::max(floor_of(left_[x]) + 1, 0);
-    const int x1 = std::min(floor_of(right_[x]), colour_.width - 1);
-    const int y0 = std::max(floor_of(top_[x]) + 1, 0);
-    const int y1 = std::min(floor_of(bottom_[x]), colour_.height - 1);
-    for (int yy = y0; yy <= y1; ++yy) {
-      auto* target = out.ptr<float>(yy);
-      for (int xx = x0; xx <= x1; ++xx) {
-        if (target[xx] == 0 || z[x] < target[xx]) target[xx] = z[x];
+    top[x] = floor_of(v[x] - reach_of(v[x] - v_above[x], z[x], z_above[x], half_y, limit_y)) + 1;
+    bottom[x] = floor_of(v[x] + reach_of(v_below[x] - v[x], z[x], z_below[x], half_y, limit_y));
+  }
+  const int last_x = colour_.width - 1;
+  const int last_y = colour_.height - 1;
+  const std::size_t step = out.step1();
+  auto* pixels = out.ptr<float>();
+  for (int x = 0; x < width; ++x) {
+    const float depth = z[x];
+    if (depth <= 0) continue;
+    const int x1 = std::min(right[x], last_x);
+    const int y1 = std::min(bottom[x], last_y);
+    for (int yy = std::max(top[x], 0); yy <= y1; ++yy) {
+      float* target = pixels + static_cast<std::size_t>(yy) * step;
+      for (int xx = std::max(left[x], 0); xx <= x1; ++xx) {
+        // Missing is "infinitely far" here: registered() turns it into 0 at the end.
+        target[xx] = std::min(target[xx], depth);
       }
     }
   }
@@ -149,7 +180,7 @@ cv::Mat DepthRegistration::registered(const cv::Mat& axial_depth_m) {
                          std::to_string(depth_.height) + " metres in 32 bits",
                      "give the calibration of that size");
   }
-  cv::Mat out = cv::Mat::zeros(colour_.height, colour_.width, CV_32FC1);
+  cv::Mat out(colour_.height, colour_.width, CV_32FC1, cv::Scalar(kMissing));
   Row* above = &rows_[0];
   Row* row = &rows_[1];
   Row* below = &rows_[2];
@@ -164,6 +195,10 @@ cv::Mat DepthRegistration::registered(const cv::Mat& axial_depth_m) {
     splat(*above, *row, *below, out);
     std::swap(above, row);
     std::swap(row, below);
+  }
+  for (int y = 0; y < out.rows; ++y) {
+    auto* pixels = out.ptr<float>(y);
+    for (int x = 0; x < out.cols; ++x) pixels[x] = pixels[x] < kMissing ? pixels[x] : 0.0F;
   }
   return out;
 }

@@ -31,7 +31,8 @@ class DepthRegistration {
   cv::Mat registered(const cv::Mat& axial_depth_m);
 
  private:
-  /// One row of depth samples seen from the colour camera.
+  /// One row of depth samples seen from the colour camera, with one missing sample before and one after it,
+  /// so that neighbours need no special case.
   struct Row {
     std::vector<float> u, v, z;  ///< pixel and axial depth there; z 0 = missing
   };
@@ -44,11 +45,12 @@ class DepthRegistration {
   Eigen::Matrix3f rotation_;
   Eigen::Vector3f translation_;
   bool colour_distorted_ = false;
-  float half_x_ = 0;  ///< half a depth pixel at equal depth, colour pixels
+  float farthest_tangent2_ = 0;  ///< of the colour image, squared, with a margin
+  float half_x_ = 0;             ///< half a depth pixel at equal depth, colour pixels
   float half_y_ = 0;
   std::vector<float> rays_[3];  ///< rotated tangent rays of every depth pixel, by coordinate
   Row rows_[3];
-  std::vector<float> left_, right_, top_, bottom_;  ///< footprints of one row
+  std::vector<int> left_, right_, top_, bottom_;  ///< first and last pixels of one row's footprints
 };
 
 }  // namespace sextant

@@ -96,12 +96,13 @@ void Rectifier::prepare(const CameraModel& source) {
   ray_from_axial_ = ray_from_axial(ideal_);
   as_is_ = source.is_ideal() && ideal_.width == source.width;
   if (as_is_) return;
-  depth_map_ = source_pixels(source, ideal_);
+  const cv::Mat map = source_pixels(source, ideal_);
+  cv::convertMaps(map, cv::Mat(), depth_pixels_, cv::noArray(), CV_16SC2, true);
   // Below three quarters of the size, interpolation alone would skip source pixels.
   shrinks_ = 4 * ideal_.width <= 3 * source.width;
-  colour_map_ = shrinks_
-                    ? in_resized(depth_map_, {source.width, source.height}, {ideal_.width, ideal_.height})
-                    : depth_map_;
+  const cv::Mat colour_map =
+      shrinks_ ? in_resized(map, {source.width, source.height}, {ideal_.width, ideal_.height}) : map;
+  cv::convertMaps(colour_map, cv::Mat(), colour_pixels_, colour_fractions_, CV_16SC2);
 }
 
 cv::Mat Rectifier::rectified_colour(const CameraModel& camera, const cv::Mat& colour) {
@@ -110,7 +111,7 @@ cv::Mat Rectifier::rectified_colour(const CameraModel& camera, const cv::Mat& co
   cv::Mat source = colour;
   if (shrinks_) cv::resize(colour, source, {ideal_.width, ideal_.height}, 0, 0, cv::INTER_AREA);
   cv::Mat out;
-  cv::remap(source, out, colour_map_, cv::Mat(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::remap(source, out, colour_pixels_, colour_fractions_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return out;
 }
 
@@ -123,7 +124,7 @@ SearchFrame Rectifier::rectified(const RgbdFrame& frame) {
   if (as_is_) {
     out.ray_depth_m = frame.axial_depth_m.clone();
   } else {
-    cv::remap(frame.axial_depth_m, out.ray_depth_m, depth_map_, cv::Mat(), cv::INTER_NEAREST,
+    cv::remap(frame.axial_depth_m, out.ray_depth_m, depth_pixels_, cv::Mat(), cv::INTER_NEAREST,
               cv::BORDER_CONSTANT, 0);
   }
   scale_depth(ray_from_axial_, out.ray_depth_m);

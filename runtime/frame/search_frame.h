@@ -36,10 +36,12 @@ class Rectifier {
   int width_out_;
   CameraModel source_;  ///< what the members below were made for
   PinholeCamera ideal_;
-  bool as_is_ = false;      ///< pixels are those of the ideal camera already
-  bool shrinks_ = false;    ///< colour is averaged down before it is moved
-  cv::Mat colour_map_;      ///< CV_32FC2: for each ideal pixel, the pixel of the (shrunk) source
-  cv::Mat depth_map_;       ///< CV_32FC2: the same for the source itself
+  bool as_is_ = false;    ///< pixels are those of the ideal camera already
+  bool shrinks_ = false;  ///< colour is averaged down before it is moved
+  /// For each ideal pixel, the pixel of the (shrunk) source image, in OpenCV's fixed point: whole pixels
+  /// (CV_16SC2) and 1/32 of them (CV_16UC1).
+  cv::Mat colour_pixels_, colour_fractions_;
+  cv::Mat depth_pixels_;    ///< CV_16SC2: the nearest pixel of the source itself
   cv::Mat ray_from_axial_;  ///< CV_32FC1
 };
 

@@ -19,7 +19,7 @@ namespace sextant {
 struct TableEstimateOptions {
   /// Unit vector against gravity in the camera frame, from an IMU or the robot. Without it the camera is
   /// taken to look down (5..90 deg) the right way up.
-  std::optional<Eigen::Vector3d> up_in_camera;
+  std::optional<Eigen::Vector3d> up_in_camera{};
   double up_tolerance_rad = 0.26;  ///< how far the table's normal may be from up_in_camera
   double lowest_m = 0.05;          ///< camera above the table, metres
   double highest_m = 3.0;

@@ -88,7 +88,7 @@ TEST(TfBuffer, RefusesNonsenseAndStaysBounded) {
   EXPECT_FALSE(buffer.lookup("world", "a", at(0), milliseconds(0)));
   int taken = 0;
   for (int i = 0; i < 2000; ++i)
-    taken += buffer.add({"x", "f" + std::to_string(i), at(0), moved(1)}, true) ? 1 : 0;
+    taken += buffer.add({"x", std::string("f").append(std::to_string(i)), at(0), moved(1)}, true) ? 1 : 0;
   EXPECT_EQ(taken, 998);
 }
 
