@@ -51,7 +51,7 @@ class LibcameraSession final : public StreamSession {
       return arrival;
     }
     arrival.kind = Arrival::Kind::kImage;
-    arrival.device_time = std::chrono::nanoseconds(completed->timestamp_ns);
+    arrival.device_time = std::chrono::nanoseconds(completed->timestamp_ns & ((std::uint64_t{1} << 62) - 1));
     image.buffer = std::move(lease);
     image.dma_buf_fd = export_dma_buf_ ? completed->dma_buf_fd : -1;
     return arrival;

@@ -52,8 +52,7 @@ class V4l2Session final : public StreamSession {
     if ((filled.info.flags & V4L2_BUF_FLAG_ERROR) != 0) return damaged(arrival, "flagged by the driver");
     if (!is_whole(filled.bytes)) return damaged(arrival, fmt::format("{} bytes", filled.bytes.size()));
     arrival.kind = Arrival::Kind::kImage;
-    arrival.device_time = std::chrono::seconds(filled.info.timestamp.tv_sec) +
-                          std::chrono::microseconds(filled.info.timestamp.tv_usec);
+    arrival.device_time = time_of(filled.info);
     RawImage& image = arrival.image;
     image.format = format_.format;
     image.width = format_.width;
@@ -75,6 +74,13 @@ class V4l2Session final : public StreamSession {
   bool is_whole(std::span<const std::byte> bytes) const {
     if (info_of(format_.format).bits_per_pixel == 0) return is_whole_jpeg(bytes);
     return bytes.size() >= image_bytes(format_.format, format_.width, format_.height, format_.stride);
+  }
+
+  /// Whatever a driver may write there; differences of two such times do not overflow.
+  static std::chrono::nanoseconds time_of(const v4l2_buffer& info) {
+    const auto ns = static_cast<std::uint64_t>(info.timestamp.tv_sec) * 1'000'000'000 +
+                    static_cast<std::uint64_t>(info.timestamp.tv_usec) * 1'000;
+    return std::chrono::nanoseconds(static_cast<std::int64_t>(ns & ((std::uint64_t{1} << 62) - 1)));
   }
 
   static void gone(Arrival& arrival, std::string reason) {

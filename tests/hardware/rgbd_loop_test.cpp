@@ -88,10 +88,12 @@ class RgbdLoop : public testing::Test {
     vivid::prepare_loop("/dev/video0", "/dev/video10");
     vivid::prepare_loop("/dev/video1", "/dev/video11");
     const auto code = [](PixelFormat format) { return info_of(format).fourcc; };
-    producers_[0] = std::make_unique<vivid::Producer>("/dev/video10", code(PixelFormat::kYuyv), kWidth,
-                                                      kHeight, std::vector<std::vector<std::byte>>{yuyv_of(colour_)});
-    producers_[1] = std::make_unique<vivid::Producer>("/dev/video11", code(PixelFormat::kY16), kWidth,
-                                                      kHeight, std::vector<std::vector<std::byte>>{bytes_of(depth_)});
+    producers_[0] =
+        std::make_unique<vivid::Producer>("/dev/video10", code(PixelFormat::kYuyv), kWidth, kHeight,
+                                          std::vector<std::vector<std::byte>>{yuyv_of(colour_)});
+    producers_[1] =
+        std::make_unique<vivid::Producer>("/dev/video11", code(PixelFormat::kY16), kWidth, kHeight,
+                                          std::vector<std::vector<std::byte>>{bytes_of(depth_)});
   }
 
   double colour_error(const RgbdFrame& frame) const {

@@ -6,7 +6,7 @@ With --sextant the RGB-D frame that came through the virtual cameras is searched
 would take minutes), and the pose must be the data set's.
 
 usage: run_hardware_test.py HARDWARE_TEST BUILD_FOLDER [--sextant PROGRAM] [--repeat N] [--filter PATTERN]
-                            [--before SCRIPT] [--need]
+                            [--before SCRIPT] [--vimc] [--soak SECONDS] [--need]
 Exit code 77 (skipped, with the reason printed) where QEMU, the kernel's package or the network is missing; with
 --need (or SEXTANT_NEED_HARDWARE=1) that is a failure.
 """
@@ -27,6 +27,7 @@ sys.path.insert(0, str(HERE / "vm"))
 
 from kernel import Kernel, Missing  # noqa: E402
 from machine import Machine  # noqa: E402
+from vimc import add_vimc  # noqa: E402
 
 # Two HDMI loop-back pairs and two webcams (tests/hardware/vivid.h), all without audio, radio and the like.
 VIVID = ("vivid n_devs=4 node_types=0x101,0x101,0x1,0x1 num_inputs=1,1,1,1 input_types=3,3,0,0 num_outputs=1,1,0,0 "
@@ -36,8 +37,11 @@ VIVID = ("vivid n_devs=4 node_types=0x101,0x101,0x1,0x1 num_inputs=1,1,1,1 input
 def script(kernel, arguments, job):
     lines = ["set -e", "export HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8",
              "modules=%s" % shlex.quote(str(kernel.root)),
+             "export SEXTANT_SOAK_SECONDS=%d" % arguments.soak,
              "export SEXTANT_HARDWARE_OUT=%s" % shlex.quote(str(job)),
              "modprobe -d $modules -S %s %s" % (kernel.version, VIVID)]
+    if arguments.vimc:
+        lines += ["modprobe -d $modules -S %s vimc" % kernel.version]
     lines += ["cd %s" % shlex.quote(str(job))]
     if arguments.before:
         lines += [". %s" % shlex.quote(str(Path(arguments.before).resolve()))]
@@ -90,14 +94,21 @@ def main():
     parser.add_argument("--before", help="shell script that the machine sources before the tests")
     parser.add_argument("--timeout", type=int, default=240, help="seconds of one round")
     parser.add_argument("--sextant", help="the program, for a search in the frame that came through")
+    parser.add_argument("--vimc", action="store_true", help="also libcamera's virtual camera (150 MB of kernel source)")
+    parser.add_argument("--soak", type=int, default=0, help="seconds; then only the soak runs")
     parser.add_argument("--need", action="store_true")
     arguments = parser.parse_args()
+    if arguments.soak:
+        arguments.filter = "Soak.*"
+        arguments.timeout += arguments.soak
     began = time.monotonic()
     try:
         folder = Path(arguments.build).resolve()
         folder.mkdir(parents=True, exist_ok=True)
         kernel = Kernel(folder, HERE / "vm/init")
         machine = Machine(kernel)
+        if arguments.vimc:
+            add_vimc(kernel, folder)
     except Missing as reason:
         need = arguments.need or os.environ.get("SEXTANT_NEED_HARDWARE") == "1"
         print("%s: hardware tests need a virtual machine: %s" % ("FAILED" if need else "SKIPPED", reason))

@@ -46,7 +46,7 @@ TEST(V4l2Devices, AreListedByStableIdentity) {
   EXPECT_EQ(webcam.driver, "vivid");
   EXPECT_EQ(webcam.name, "vivid");
   EXPECT_EQ(webcam.problem, "");
-  for (const char* fourcc : {"YUYV", "UYVY", "NV12", "RGB3", "BGR3", "GREY", "Z16 ", "Y16 "})
+  for (const char* fourcc : {"YUYV", "UYVY", "NV12", "RGB3", "BGR3", "GREY", "Y16 ", "Y12 ", "Y10 "})
     EXPECT_THAT(webcam.modes,
                 Contains(testing::AllOf(Field(&CameraMode::fourcc, fourcc), Field(&CameraMode::width, 640),
                                         Field(&CameraMode::height, 480),
@@ -115,11 +115,11 @@ INSTANTIATE_TEST_SUITE_P(Formats, V4l2Colour,
                          testing::Values("YUYV", "UYVY", "NV12", "RGB3", "BGR3", "GREY"));
 
 TEST(V4l2Stream, MultiPlanarNodesWorkAlike) {
-  for (const char* format : {"YUYV", "NV12", "Z16"}) {
+  for (const char* format : {"YUYV", "NV12", "Y16"}) {
     StreamOptions options = vivid::webcam();
     options.device = vivid::kPlanarWebcam;
     options.format = format;
-    options.depth = std::string(format) == "Z16";
+    options.depth = std::string(format) == "Y16";
     const auto source = open_v4l2_source(options);
     const auto image = next_image(*source);
     ASSERT_TRUE(image.has_value()) << source->condition();
@@ -132,7 +132,7 @@ TEST(V4l2Stream, AutoTakesTheFirstThatFits) {
   options.format = "auto";
   EXPECT_EQ(next_image(*open_v4l2_source(options))->format, PixelFormat::kYuyv);
   options.depth = true;
-  EXPECT_EQ(next_image(*open_v4l2_source(options))->format, PixelFormat::kZ16);
+  EXPECT_EQ(next_image(*open_v4l2_source(options))->format, PixelFormat::kY16);
 }
 
 TEST(V4l2Stream, RefusalsSayWhatThereIs) {
@@ -168,7 +168,8 @@ TEST(V4l2Stream, ControlsAreSetBeforeStreaming) {
       EXPECT_EQ(control.value, control.name == "brightness" ? 77 : 0);
     }
   }
-  vivid::control(vivid::kWebcamNode, "test_pattern=0");
+  for (const char* standard : {"test_pattern=0", "brightness=128", "gain_automatic=1"})
+    vivid::control(vivid::kWebcamNode, standard);
 }
 
 TEST(V4l2Stream, LentBuffersAreTheDriversOwn) {
