@@ -7,6 +7,7 @@
 
 #include "offline/learn/bin_codec.h"
 #include "offline/learn/learn_bin.h"
+#include "offline/learn/surface_marks.h"
 #include "offline/learn/training_view.h"
 #include "offline/learn/worker_processes.h"
 #include "offline/mesh/simplify.h"
@@ -92,6 +93,11 @@ ObjectModel assemble_model(const StandingObject& object, const LearnParameters& 
   model.object_from_mesh = object.object_from_mesh;
   model.bins = std::move(bins);
   model.mesh = simplified(object.mesh, kModelTriangles);
+  {
+    Renderer renderer;
+    const int mesh = renderer.upload(object.mesh);
+    model.marks = find_surface_marks(renderer, mesh, object, model.mesh);
+  }
   model.provenance.program_version = kProgramVersion;
   model.provenance.mesh_name = mesh_file_name;
   model.provenance.mesh_hash = object.file_hash;
