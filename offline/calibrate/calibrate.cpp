@@ -123,8 +123,8 @@ ConfidenceModel calibrated(const ObjectObservations& observed,
                            const std::string& name) {
   if (observed.detections.size() < kFewestDetections) {
     throw InputError(name,
-                     fmt::format("the data sets gave {} detections, fewer than {}", observed.detections.size(),
-                                 kFewestDetections),
+                     fmt::format("the data sets gave {} detections, fewer than {}",
+                                 observed.detections.size(), kFewestDetections),
                      "calibrate with more images, or lower --threshold");
   }
   std::vector<const Observation*> own;
@@ -149,7 +149,8 @@ ConfidenceModel calibrated(const ObjectObservations& observed,
 
 std::vector<Answer> answers_of(const ConfidenceModel& model, const ObjectObservations& observed) {
   std::vector<Answer> answers;
-  for (const Observation& o : observed.detections) answers.push_back({confidence(model, o.features), o.right});
+  for (const Observation& o : observed.detections)
+    answers.push_back({confidence(model, o.features), o.right});
   return answers;
 }
 

@@ -29,9 +29,9 @@ struct ObjectObservations {
 };
 
 /// A pose is right within 1 cm (of the object's centre) and 15 deg of a true one, forgiving the model's
-/// symmetry (with the print, or geometric). Detections of instances that lie (more than 20 deg off the table's
-/// normal) or of which less than `min_visible` is seen are left out. `options`: false_positive_rate is ignored
-/// (all detections count). progress(done, total) after each image.
+/// symmetry (with the print, or geometric). Detections of instances that lie (more than 20 deg off the
+/// table's normal) or of which less than `min_visible` is seen are left out. `options`: false_positive_rate
+/// is ignored (all detections count). progress(done, total) after each image.
 std::vector<ObjectObservations> observe(const std::vector<ObjectModel>& models,
                                         const std::vector<BopDataset>& datasets, DetectOptions options,
                                         bool geometric, double min_visible,
@@ -43,8 +43,7 @@ std::array<float, kConfidenceFeatures + 1> pooled_weights(const std::vector<Obje
 /// The calibration of one object: its own observations, drawn towards the pooled weights. Throws InputError
 /// where there are fewer than 20 detections.
 ConfidenceModel calibrated(const ObjectObservations& observed,
-                           const std::array<float, kConfidenceFeatures + 1>& pooled,
-                           const std::string& name);
+                           const std::array<float, kConfidenceFeatures + 1>& pooled, const std::string& name);
 
 /// The answers a model would give on observations.
 std::vector<Answer> answers_of(const ConfidenceModel& model, const ObjectObservations& observed);

@@ -27,8 +27,8 @@ Reliability reliability(const std::vector<Answer>& answers) {
     if (bin.answers == 0) continue;
     bin.mean_confidence /= bin.answers;
     bin.share_right /= bin.answers;
-    r.expected_error += std::abs(bin.mean_confidence - bin.share_right) * bin.answers /
-                        static_cast<double>(answers.size());
+    r.expected_error +=
+        std::abs(bin.mean_confidence - bin.share_right) * bin.answers / static_cast<double>(answers.size());
   }
   return r;
 }

@@ -58,11 +58,12 @@ int run(const Arguments& a) {
     all.insert(all.end(), answers.begin(), answers.end());
     if (!a.check) {
       write_model(models[i], a.models[i]);
-      fmt::print("{}: {} images, {} detections; weights {}; confidence for 10 % / 1 % false detections per image {:.2f} / {:.2f}\n",
-                 a.models[i].string(), observed[i].images, observed[i].detections.size(),
-                 listed(models[i].confidence.weights),
-                 threshold_for_false_positive_rate(models[i].confidence, 0.1),
-                 threshold_for_false_positive_rate(models[i].confidence, 0.01));
+      fmt::print(
+          "{}: {} images, {} detections; weights {}; confidence for 10 % / 1 % false detections per image "
+          "{:.2f} / {:.2f}\n",
+          a.models[i].string(), observed[i].images, observed[i].detections.size(),
+          listed(models[i].confidence.weights), threshold_for_false_positive_rate(models[i].confidence, 0.1),
+          threshold_for_false_positive_rate(models[i].confidence, 0.01));
     }
   }
   fmt::print("{}", format_reliability(reliability(all)));

@@ -23,15 +23,19 @@ namespace sextant {
 namespace {
 
 void print_text(const FrameResult& r) {
-  fmt::print("scene {} image {}: features {:.1f} ms, tables {:.1f} ms, search {:.1f} ms, refine {:.1f} ms, {} nodes\n",
-             r.scene_id, r.image_id, r.seconds.features * 1e3, r.seconds.tables * 1e3, r.seconds.search * 1e3,
-             r.seconds.refine * 1e3, r.nodes);
+  fmt::print(
+      "scene {} image {}: features {:.1f} ms, tables {:.1f} ms, search {:.1f} ms, refine {:.1f} ms, {} "
+      "nodes\n",
+      r.scene_id, r.image_id, r.seconds.features * 1e3, r.seconds.tables * 1e3, r.seconds.search * 1e3,
+      r.seconds.refine * 1e3, r.nodes);
   for (const PoseEstimate& e : r.estimates) {
     const Eigen::Vector3d t = e.camera_from_object.translation();
-    fmt::print("  {:<16} score {:.2f}  log {:8.1f}  gap {:.1f}  {}  at ({:+.4f}, {:+.4f}, {:.4f}) m +- {:.1f} mm{}\n",
-               e.object_name, e.score, e.log_score, e.gap, to_string(e.status), t.x(), t.y(), t.z(),
-               1e3 * std::sqrt(e.covariance.topLeftCorner<3, 3>().trace()),
-               e.refinement.left_neighbourhood ? "  (refinement left the neighbourhood: lattice pose)" : "");
+    fmt::print(
+        "  {:<16} score {:.2f}  log {:8.1f}  gap {:.1f}  {}  at ({:+.4f}, {:+.4f}, {:.4f}) m +- {:.1f} "
+        "mm{}\n",
+        e.object_name, e.score, e.log_score, e.gap, to_string(e.status), t.x(), t.y(), t.z(),
+        1e3 * std::sqrt(e.covariance.topLeftCorner<3, 3>().trace()),
+        e.refinement.left_neighbourhood ? "  (refinement left the neighbourhood: lattice pose)" : "");
   }
   for (const ObjectOutcome& o : r.objects) {
     if (o.status == SearchStatus::kAbsent) {

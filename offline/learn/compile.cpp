@@ -19,6 +19,7 @@ namespace sextant {
 namespace {
 
 constexpr std::size_t kModelTriangles = 4000;
+constexpr double kMeshToleranceM = 0.0005;  // half a sensor's step of depth
 
 /// Seed of one bin (splitmix64 of the job's seed and the bin's number).
 std::uint64_t seed_of_bin(std::uint64_t seed, std::size_t bin) {
@@ -92,7 +93,7 @@ ObjectModel assemble_model(const StandingObject& object, const LearnParameters& 
   model.centre_height_m = object.centre_height_m;
   model.object_from_mesh = object.object_from_mesh;
   model.bins = std::move(bins);
-  model.mesh = simplified(object.mesh, kModelTriangles);
+  model.mesh = simplified_within(object.mesh, kMeshToleranceM, kModelTriangles);
   {
     Renderer renderer;
     const int mesh = renderer.upload(object.mesh);

@@ -19,8 +19,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kAzimuths = 12;
 constexpr std::array<double, 3> kElevationsDeg{15, 45, 75};
-constexpr int kPicture = 401;     // pixels, square
-constexpr int kShapeBorder = 4;   // pixels around silhouettes and creases that are not print
+constexpr int kPicture = 401;    // pixels, square
+constexpr int kShapeBorder = 4;  // pixels around silhouettes and creases that are not print
 constexpr double kSpacingM = 0.004;
 // Edges that survive dim light and blur.
 constexpr EdgeOptions kStrong{100, 200};
@@ -95,13 +95,17 @@ std::vector<SurfaceMark> find_surface_marks(Renderer& renderer, int mesh, const 
   std::map<std::array<int, 4>, SurfaceMark> cells;  ///< one mark per cell of space and direction
   for (const double elevation : kElevationsDeg) {
     for (int a = 0; a < kAzimuths; ++a) {
-      Pose6 pose{camera.cx, camera.cy, 3.2 * object.bounding_radius_m, 0, -elevation * kDegree,
+      Pose6 pose{camera.cx,
+                 camera.cy,
+                 3.2 * object.bounding_radius_m,
+                 0,
+                 -elevation * kDegree,
                  2 * std::numbers::pi * a / kAzimuths};
       const RigidTransform camera_from_object = transform_from_pose(camera, pose);
       // Light from everywhere: no shading, only colour. The background is no edge's business.
-      const RenderedView view = renderer.render(camera, cv::Rect(0, 0, kPicture, kPicture),
-                                                {{mesh, camera_from_object}}, Light{{0, 0, 0}, 1.0},
-                                                Eigen::Vector3d(128, 128, 128));
+      const RenderedView view =
+          renderer.render(camera, cv::Rect(0, 0, kPicture, kPicture), {{mesh, camera_from_object}},
+                          Light{{0, 0, 0}, 1.0}, Eigen::Vector3d(128, 128, 128));
       raster.draw(shape, camera_from_object, camera);
       contours.sample(camera_from_object, camera, raster, 1, samples);
       const cv::Mat not_print = shape_mask(view, samples);

@@ -145,7 +145,9 @@ Offset<fbs::Marks> encode_marks(FlatBufferBuilder& to, const std::vector<Surface
   std::vector<std::int16_t> positions;
   std::vector<std::int8_t> directions;
   std::vector<std::int8_t> normals;
-  const auto unit = [](float v) { return static_cast<std::int8_t>(std::clamp(std::lround(v * 127), -127L, 127L)); };
+  const auto unit = [](float v) {
+    return static_cast<std::int8_t>(std::clamp(std::lround(v * 127), -127L, 127L));
+  };
   for (const SurfaceMark& mark : marks) {
     for (const float c : mark.point) positions.push_back(in_steps(c, step));
     for (const float c : mark.direction) directions.push_back(unit(c));

@@ -56,7 +56,8 @@ struct ModelMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// A point of an edge of the object's print (or of any other change of colour that is no crease), object frame.
+/// A point of an edge of the object's print (or of any other change of colour that is no crease), object
+/// frame.
 struct SurfaceMark {
   Eigen::Vector3f point{0, 0, 0};      ///< metres
   Eigen::Vector3f direction{1, 0, 0};  ///< unit, along the edge

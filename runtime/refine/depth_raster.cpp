@@ -2,6 +2,7 @@
 #include "runtime/refine/depth_raster.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -9,18 +10,6 @@ namespace sextant {
 namespace {
 
 constexpr float kNearest = 0.05F;  // metres
-
-/// Narrows [lo, hi] to where slope * x + value >= 0.
-void clip_span(float slope, float value, float& lo, float& hi) {
-  if (slope > 0) {
-    lo = std::max(lo, -value / slope);
-  } else if (slope < 0) {
-    hi = std::min(hi, -value / slope);
-  } else if (value < 0) {
-    hi = -1;
-    lo = 0;
-  }
-}
 
 }  // namespace
 
@@ -89,12 +78,21 @@ void DepthRaster::draw_triangle(std::int32_t number, const std::array<std::uint3
   const int columns = window_.width;
   const float low = std::max(0.0F, std::ceil(std::min({a.y(), b.y(), c.y()})));
   const float high = std::min(static_cast<float>(rows - 1), std::floor(std::max({a.y(), b.y(), c.y()})));
-  // Edge functions e(x, y) = dx x + dy y + e0 >= 0 inside.
-  const auto slope_x = [](const Eigen::Vector3f& p, const Eigen::Vector3f& q) { return p.y() - q.y(); };
-  const auto slope_y = [](const Eigen::Vector3f& p, const Eigen::Vector3f& q) { return q.x() - p.x(); };
-  const float dx[3] = {slope_x(a, b), slope_x(b, c), slope_x(c, a)};
-  const float dy[3] = {slope_y(a, b), slope_y(b, c), slope_y(c, a)};
-  const Eigen::Vector3f* from[3] = {&a, &b, &c};
+  // Each side bounds the rows it spans on the left or on the right: x(y) = at + slope (y - from.y).
+  struct Side {
+    float at = 0, slope = 0, from_y = 0;
+    bool left = false;
+  };
+  std::array<Side, 3> sides;
+  std::size_t count = 0;
+  const auto add_side = [&](const Eigen::Vector3f& p, const Eigen::Vector3f& q) {
+    const float rise = q.y() - p.y();
+    if (rise == 0) return;  // level sides bound no row
+    sides[count++] = {p.x(), (q.x() - p.x()) / rise, p.y(), rise < 0};
+  };
+  add_side(a, b);
+  add_side(b, c);
+  add_side(c, a);
   // 1 / Z = zx (x - ax) + zy (y - ay) + az.
   const float zx = ((b.z() - a.z()) * (c.y() - a.y()) - (c.z() - a.z()) * (b.y() - a.y())) / area;
   const float zy = ((c.z() - a.z()) * (b.x() - a.x()) - (b.z() - a.z()) * (c.x() - a.x())) / area;
@@ -106,15 +104,18 @@ void DepthRaster::draw_triangle(std::int32_t number, const std::array<std::uint3
   for (float y = low; y <= high; y += 1) {
     float lo = 0;
     auto hi = static_cast<float>(columns - 1);
-    for (int e = 0; e < 3; ++e) {
-      const float value = dy[e] * (y - from[e]->y()) - dx[e] * from[e]->x();
-      clip_span(dx[e], value, lo, hi);
+    for (std::size_t k = 0; k < count; ++k) {
+      const float x = sides[k].at + sides[k].slope * (y - sides[k].from_y);
+      if (sides[k].left) {
+        lo = std::max(lo, x);
+      } else {
+        hi = std::min(hi, x);
+      }
     }
-    const float start = std::ceil(lo - kSlack);
-    const float stop = std::floor(hi + kSlack);
-    if (!(start <= stop)) continue;
-    const auto first = static_cast<int>(std::max(0.0F, start));
-    const auto last = static_cast<int>(std::min(static_cast<float>(columns - 1), stop));
+    if (hi < lo - 2 * kSlack || hi + kSlack < 0) continue;
+    // Rounded up and down: lo is not negative.
+    const auto first = static_cast<int>(lo + (1 - kSlack));
+    const auto last = static_cast<int>(std::min(static_cast<float>(columns - 1), hi + kSlack));
     const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns);
     const float z_row = a.z() + zy * (y - a.y()) - zx * a.x();
     for (int x = first; x <= last; ++x) {

@@ -29,9 +29,7 @@ class DepthRaster {
   /// Pixels of the image that may be covered; empty where the mesh is outside the image.
   const cv::Rect& window() const { return window_; }
   /// Number of the triangle seen at a pixel of the image, kBackground where there is none or outside.
-  std::int32_t triangle(int x, int y) const {
-    return inside(x, y) ? triangle_[index(x, y)] : kBackground;
-  }
+  std::int32_t triangle(int x, int y) const { return inside(x, y) ? triangle_[index(x, y)] : kBackground; }
   /// 1 / axial depth (1/m) at a pixel of the image, 0 where nothing is seen.
   float inverse_depth(int x, int y) const { return inside(x, y) ? inverse_depth_[index(x, y)] : 0.0F; }
   /// Vertices in the camera frame, metres, of the last drawing.

@@ -61,7 +61,7 @@ void add_edge_term(const SearchFrame& frame, const cv::Mat& edges, const std::ve
   }
   const double share = inliers / static_cast<double>(std::max(1, looked_at));
   const double trust = std::clamp((share - kChanceShare) / (1 - kChanceShare), 0.05, 1.0);
-  normal.add(sum, trust * trust);
+  normal.add(sum, trust * trust * trust);
   if (!quality) return;
   quality->edge_samples = looked_at;
   quality->edge_inlier_share = share;

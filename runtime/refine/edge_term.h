@@ -21,8 +21,7 @@ namespace sextant {
 /// two pixels: where print and shadows are all that is found, they must not outvote the depth. Where
 /// `quality` is given, its edge shares are filled in.
 void add_edge_term(const SearchFrame& frame, const cv::Mat& edges, const std::vector<EdgeSample>& samples,
-                   const RigidTransform& pose, double reach_px, NormalEquations& normal,
-                   Refinement* quality);
+                   const RigidTransform& pose, double reach_px, NormalEquations& normal, Refinement* quality);
 
 /// Pixels at f = 525 -> pixels of this camera. Coarser cameras are not asked for less than a pixel.
 double edge_scale(const PinholeCamera& camera);

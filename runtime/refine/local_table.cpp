@@ -16,8 +16,8 @@ constexpr double kHeightFloorM = 0.002;
 constexpr double kTiltFloorRad = 0.017;  // 1 deg
 
 struct Sample {
-  double u = 0, v = 0;   ///< on the stated plane, metres from the point below the object
-  double height_m = 0;   ///< over the stated plane
+  double u = 0, v = 0;  ///< on the stated plane, metres from the point below the object
+  double height_m = 0;  ///< over the stated plane
   double sigma_m = 0.002;
 };
 
@@ -35,9 +35,9 @@ LocalTable local_table(const SearchFrame& frame, const TableGeometry& stated, co
   const Eigen::Vector3d foot = centre - (up.dot(centre) + stated.camera_height_m) * up;
 
   const cv::Rect image(0, 0, frame.camera.width, frame.camera.height);
-  const cv::Rect around = cv::Rect(window.x - window.width, window.y - window.height / 2, 3 * window.width,
-                                   2 * window.height) &
-                          image;
+  const cv::Rect around =
+      cv::Rect(window.x - window.width, window.y - window.height / 2, 3 * window.width, 2 * window.height) &
+      image;
   const int step = std::max(
       2, static_cast<int>(std::sqrt(static_cast<double>(around.area()) / static_cast<double>(kWanted))));
   const double reach = tolerance.height_m + 0.01;
@@ -88,8 +88,7 @@ LocalTable local_table(const SearchFrame& frame, const TableGeometry& stated, co
   result.table.camera_height_m = (stated.camera_height_m - plane.x() + slope.dot(foot)) / length;
   const Eigen::Matrix3d covariance = information.inverse();
   result.height_sigma_m = std::hypot(kHeightFloorM, std::sqrt(covariance(0, 0)));
-  result.tilt_sigma_rad =
-      std::hypot(kTiltFloorRad, std::sqrt(std::max(covariance(1, 1), covariance(2, 2))));
+  result.tilt_sigma_rad = std::hypot(kTiltFloorRad, std::sqrt(std::max(covariance(1, 1), covariance(2, 2))));
   result.fitted = true;
   return result;
 }

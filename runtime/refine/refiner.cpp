@@ -26,14 +26,13 @@ struct Gates {
   double edge_px;  ///< at f = 525; 0: edges are not looked at
 };
 // Depth first: it leads to the right place from farther away, while the nearest edge may be a wrong one.
-constexpr std::array<Gates, 7> kDepthFirst{
-    {{0.035, 0}, {0.025, 0}, {0.018, 7}, {0.014, 6}, {0.012, 5}, {0.010, 4}, {0.010, 3}}};
+constexpr std::array<Gates, 6> kDepthFirst{
+    {{0.035, 0}, {0.022, 7}, {0.016, 6}, {0.012, 5}, {0.010, 4}, {0.010, 3}}};
 // Edges first, for objects whose depth is missing or says little.
-constexpr std::array<Gates, 6> kTogether{
-    {{0.035, 6}, {0.025, 6}, {0.016, 5}, {0.012, 4}, {0.010, 4}, {0.010, 3}}};
+constexpr std::array<Gates, 5> kTogether{{{0.035, 6}, {0.022, 6}, {0.014, 5}, {0.010, 4}, {0.010, 3}}};
 constexpr Gates kLast{0.010, 3};
 // An optimum that explains this much of depth and edges needs no second attempt.
-constexpr double kGoodAgreement = 1.5;
+constexpr double kGoodAgreement = 1.0;
 
 // The lattice pose as a weak prior: it holds what nothing else observes.
 constexpr double kPriorShiftM = 0.015;
@@ -120,8 +119,7 @@ struct Refiner::Impl {
     std::optional<LocalTable> table;
   };
 
-  NormalEquations linearised(const Task& task, const Estimate& now, const Gates& gates,
-                             Refinement* quality) {
+  NormalEquations linearised(const Task& task, const Estimate& now, const Gates& gates, Refinement* quality) {
     const SearchFrame& frame = task.input.frame;
     raster.draw(model.mesh, now.pose, frame.camera);
     NormalEquations normal;

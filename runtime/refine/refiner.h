@@ -29,7 +29,8 @@ struct RefineFrame {
 
 /// A refined pose.
 struct RefinedPose {
-  RigidTransform camera_from_object = RigidTransform::Identity();  ///< object frame (bounding sphere's centre)
+  RigidTransform camera_from_object =
+      RigidTransform::Identity();  ///< object frame (bounding sphere's centre)
   /// Of (x, y, z) of the object frame's origin, metres, and of (rx, ry, rz), radians, small rotations about
   /// the camera's axes applied on the left. About the axis of a rotational symmetry: uniform over the circle.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();

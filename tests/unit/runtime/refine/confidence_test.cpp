@@ -71,7 +71,8 @@ TEST(FalsePositiveRate, TheThresholdLeavesThatShareOfTheCalibrationsImages) {
   }
   EXPECT_EQ(threshold_for_false_positive_rate(model, 1), 0);
   EXPECT_EQ(threshold_for_false_positive_rate(model, 0.7), 0) << "fewer images than that show a false one";
-  EXPECT_GT(threshold_for_false_positive_rate(model, 0.001), 1) << "99 images cannot promise one in a thousand";
+  EXPECT_GT(threshold_for_false_positive_rate(model, 0.001), 1)
+      << "99 images cannot promise one in a thousand";
 }
 
 TEST(FalsePositiveRate, WithoutCalibrationNothingIsLeftOut) {

@@ -48,9 +48,10 @@ TEST(ContourEdges, ABoxShowsItsThreeVisibleFaces) {
   const int sy = eye.y() > 0 ? 1 : -1;
   inner += (corner(sx, sy, 1) - corner(-sx, sy, 1)).norm() + (corner(sx, sy, 1) - corner(sx, -sy, 1)).norm() +
            (corner(sx, sy, 1) - corner(sx, sy, -1)).norm();
-  outer += (corner(-sx, sy, 1) - corner(-sx, -sy, 1)).norm() + (corner(sx, -sy, 1) - corner(-sx, -sy, 1)).norm() +
-           (corner(-sx, sy, 1) - corner(-sx, sy, -1)).norm() + (corner(sx, -sy, 1) - corner(sx, -sy, -1)).norm() +
-           (corner(-sx, sy, -1) - corner(sx, sy, -1)).norm() + (corner(sx, -sy, -1) - corner(sx, sy, -1)).norm();
+  outer +=
+      (corner(-sx, sy, 1) - corner(-sx, -sy, 1)).norm() + (corner(sx, -sy, 1) - corner(-sx, -sy, 1)).norm() +
+      (corner(-sx, sy, 1) - corner(-sx, sy, -1)).norm() + (corner(sx, -sy, 1) - corner(sx, -sy, -1)).norm() +
+      (corner(-sx, sy, -1) - corner(sx, sy, -1)).norm() + (corner(sx, -sy, -1) - corner(sx, sy, -1)).norm();
   EXPECT_NEAR(length[EdgeOrigin::kCrease], inner, 0.05 * inner);
   EXPECT_NEAR(length[EdgeOrigin::kSilhouette], outer, 0.05 * outer);
 }

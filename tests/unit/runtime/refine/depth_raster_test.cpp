@@ -74,8 +74,8 @@ TEST(DepthRaster, AgreesWithOpenGl) {
   for (int i = 0; i < 12; ++i) {
     const RigidTransform pose = random_pose(random, 0.4, 1.2);
     raster.draw(mesh, pose, kCamera);
-    const RenderedView view = renderer->render(kCamera, {0, 0, kCamera.width, kCamera.height},
-                                               {{handle, pose}}, {}, {0, 0, 0});
+    const RenderedView view =
+        renderer->render(kCamera, {0, 0, kCamera.width, kCamera.height}, {{handle, pose}}, {}, {0, 0, 0});
     for (int y = 0; y < kCamera.height; ++y) {
       for (int x = 0; x < kCamera.width; ++x) {
         const double expected = view.ray_depth_m.at<float>(y, x);

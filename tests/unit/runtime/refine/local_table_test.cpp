@@ -13,17 +13,20 @@ using namespace test;
 struct Fitted {
   LocalTable local;
   TableGeometry truth;
-  Eigen::Vector3d foot;
+  Eigen::Vector3d foot{0, 0, 0};
+  double stated_height_m = 0;
 };
 
-/// A box on a table that is stated wrongly by the given amounts.
+/// A box on a table whose stated plane is off by so much under the box, and tilted.
 Fitted fit(double height_off_m, double pitch_off_deg, const std::string& sensor, bool depth = true) {
   const ObjectModel model = model_of(box_mesh({0.06F, 0.05F, 0.08F}), 0.08, 180);
   Fitted f;
   f.truth = TableGeometry::from_pitch_roll(40 * kDegree, 1 * kDegree, 0.6);
-  const TableGeometry stated =
-      TableGeometry::from_pitch_roll((40 + pitch_off_deg) * kDegree, 1 * kDegree, 0.6 + height_off_m);
   const RigidTransform pose = standing(model, f.truth, 340, 230, 0.4);
+  f.foot = pose.translation() - 0.08 * f.truth.up_in_camera;
+  TableGeometry stated = TableGeometry::from_pitch_roll((40 + pitch_off_deg) * kDegree, 1 * kDegree, 0.6);
+  stated.camera_height_m = height_off_m - stated.up_in_camera.dot(f.foot);
+  f.stated_height_m = stated.camera_height_m;
   // Clutter on one side must not lift the table.
   const ModelMesh slab = box_mesh({0.05F, 0.05F, 0.02F});
   const ObjectModel slab_model = model_of(slab, 0.02, 90);
@@ -33,7 +36,6 @@ Fitted fit(double height_off_m, double pitch_off_deg, const std::string& sensor,
   DepthRaster raster;
   raster.draw(model.mesh, pose, kCamera);
   f.local = local_table(scene.frame, stated, TableTolerance{}, raster, pose.translation());
-  f.foot = pose.translation() - 0.08 * f.truth.up_in_camera;
   return f;
 }
 
@@ -60,7 +62,7 @@ TEST(LocalTable, IsExactWithoutNoise) {
 TEST(LocalTable, WithoutDepthTheStatedTableStaysWithItsTolerance) {
   const Fitted f = fit(0.01, 1, "none", false);
   EXPECT_FALSE(f.local.fitted);
-  EXPECT_DOUBLE_EQ(f.local.table.camera_height_m, 0.61);
+  EXPECT_DOUBLE_EQ(f.local.table.camera_height_m, f.stated_height_m);
   EXPECT_GE(f.local.height_sigma_m, 0.5 * TableTolerance{}.height_m);
   EXPECT_GE(f.local.tilt_sigma_rad, 0.5 * TableTolerance{}.angle_rad);
 }

@@ -28,8 +28,12 @@ inline ModelMesh box_mesh(const Eigen::Vector3f& half) {
     mesh.vertices.emplace_back((i & 1U ? 1.0F : -1.0F) * half.x(), (i & 2U ? 1.0F : -1.0F) * half.y(),
                                (i & 4U ? 1.0F : -1.0F) * half.z());
   }
-  for (const auto& q : {std::array<std::uint32_t, 4>{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
-                        {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
+  for (const auto& q : {std::array<std::uint32_t, 4>{0, 2, 3, 1},
+                        {4, 5, 7, 6},
+                        {0, 1, 5, 4},
+                        {2, 6, 7, 3},
+                        {0, 4, 6, 2},
+                        {1, 3, 7, 5}}) {
     mesh.triangles.push_back({q[0], q[1], q[2]});
     mesh.triangles.push_back({q[0], q[2], q[3]});
   }
