@@ -19,6 +19,8 @@ Json refinement_json(const Refinement& r) {
           {"missing_share", r.missing_share},
           {"depth_rms_m", r.depth_rms_m},
           {"edge_inlier_share", r.edge_inlier_share},
+          {"outline_inlier_share", r.outline_inlier_share},
+          {"mark_inlier_share", r.mark_inlier_share},
           {"edge_rms_px", r.edge_rms_px}};
 }
 

@@ -11,7 +11,7 @@
 namespace sextant {
 
 /// What the regression sees. The names are those of runtime/refine/confidence.cpp.
-inline constexpr std::size_t kConfidenceFeatures = 6;
+inline constexpr std::size_t kConfidenceFeatures = 7;
 inline constexpr std::size_t kMaxFalseConfidences = 4096;
 
 struct ConfidenceModel {

@@ -20,15 +20,16 @@ ConfidenceFeatures confidence_features(const PoseEstimate& estimate) {
   const auto unit = [](double v) { return std::clamp(v, 0.0, 1.0); };
   return {unit(estimate.evidence_share),
           unit(share(r.depth_inlier_share, r.off_surface_share)),
-          unit(r.edge_inlier_share),
+          unit(r.outline_inlier_share),
           unit(1 - r.missing_share - r.occluded_share),
           unit(1 - r.depth_rms_m / kRmsScaleM),
-          r.left_neighbourhood ? 0 : unit(1 - r.shift_m / Refiner::kMaxShiftM)};
+          r.left_neighbourhood ? 0 : unit(1 - r.shift_m / Refiner::kMaxShiftM),
+          unit(r.mark_inlier_share)};
 }
 
 const std::array<float, kConfidenceFeatures + 1>& general_confidence_weights() {
   // sextant calibrate --show-general over the models of docs/BENCHMARKS.md.
-  static constexpr std::array<float, kConfidenceFeatures + 1> kWeights{-9, 6, 3, 6, 1, 0, 1};
+  static constexpr std::array<float, kConfidenceFeatures + 1> kWeights{-9, 6, 3, 5, 1, 0, 1, 1};
   return kWeights;
 }
 

@@ -14,8 +14,8 @@ namespace sextant {
 using ConfidenceFeatures = std::array<double, kConfidenceFeatures>;
 
 /// Each in 0..1: share of the evidence that the search found; depth pixels on the surface of those that are
-/// on or off it; edges found; object seen (neither occluded nor without depth); closeness of the inliers to
-/// the surface; closeness of the refined pose to the certified one.
+/// on or off it; outline found; object seen (neither occluded nor without depth); closeness of the inliers to
+/// the surface; closeness of the refined pose to the certified one; print found.
 ConfidenceFeatures confidence_features(const PoseEstimate& estimate);
 
 /// In 0..1; rises with every feature. Uses the model's weights where it is calibrated, else the general ones.

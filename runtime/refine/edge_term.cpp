@@ -15,6 +15,7 @@ constexpr double kOccluderM = 0.03;
 constexpr double kInlierPx = 2;  // at f = 525
 // Of samples laid at random over a cluttered picture, about this share finds an edge of its direction.
 constexpr double kChanceShare = 0.2;
+constexpr int kFewestMarks = 20;
 
 bool hidden(const SearchFrame& frame, const EdgeSample& s) {
   const int x = static_cast<int>(std::lround(s.pixel.x()));
@@ -38,14 +39,24 @@ void add_edge_term(const SearchFrame& frame, const cv::Mat& edges, const std::ve
   NormalEquations sum;
   int looked_at = 0;
   int inliers = 0;
+  int outline = 0;
+  int outline_inliers = 0;
+  int marks = 0;
+  int mark_inliers = 0;
   double squares = 0;
   for (const EdgeSample& s : samples) {
     if (hidden(frame, s)) continue;
     ++looked_at;
+    const bool on_outline = s.origin == EdgeOrigin::kSilhouette;
+    const bool on_mark = s.origin == EdgeOrigin::kMark;
+    outline += on_outline ? 1 : 0;
+    marks += on_mark ? 1 : 0;
     const auto distance = nearest_edge(edges, s.pixel, s.normal, reach);
     if (!distance) continue;
     if (std::abs(*distance) <= kInlierPx * scale) {
       ++inliers;
+      outline_inliers += on_outline ? 1 : 0;
+      mark_inliers += on_mark ? 1 : 0;
       squares += *distance * *distance;
     }
     const double weight = tukey_weight(*distance / (reach + 0.5));
@@ -65,6 +76,8 @@ void add_edge_term(const SearchFrame& frame, const cv::Mat& edges, const std::ve
   if (!quality) return;
   quality->edge_samples = looked_at;
   quality->edge_inlier_share = share;
+  quality->outline_inlier_share = outline_inliers / static_cast<double>(std::max(1, outline));
+  quality->mark_inlier_share = marks >= kFewestMarks ? mark_inliers / static_cast<double>(marks) : 0.5;
   quality->edge_rms_px = inliers > 0 ? std::sqrt(squares / inliers) : 0;
 }
 

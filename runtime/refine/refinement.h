@@ -19,10 +19,12 @@ struct Refinement {
   double missing_share = 0;       ///< no depth: unknown
   double depth_rms_m = 0;         ///< of the inliers, along the ray
   // Of the edge samples that nothing hides:
-  double edge_inlier_share = 0;  ///< with an edge of their direction within 2 pixels (f = 525)
-  double edge_rms_px = 0;        ///< of those, pixels of the searched image
-  int depth_samples = 0;         ///< pixels looked at
-  int edge_samples = 0;          ///< unhidden samples looked at
+  double edge_inlier_share = 0;     ///< with an edge of their direction within 2 pixels (f = 525)
+  double outline_inlier_share = 0;  ///< the same of the silhouette's samples alone
+  double mark_inlier_share = 0;     ///< the same of the print's marks alone; 0.5 where fewer than 20 are seen
+  double edge_rms_px = 0;           ///< of those, pixels of the searched image
+  int depth_samples = 0;            ///< pixels looked at
+  int edge_samples = 0;             ///< unhidden samples looked at
 };
 
 }  // namespace sextant

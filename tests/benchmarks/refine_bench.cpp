@@ -153,13 +153,15 @@ void print_pose(const BopImage& image, const ObjectModel& model, const Error& be
   fmt::print(
       "{:6} {:4} {:<12} {:5.1f} mm {:5.1f} deg {:4.1f} -> {:5.1f} mm {:5.1f} deg {:4.1f}  nees {:7.1f}  "
       "depth in {:.2f} off "
-      "{:.2f} occ {:.2f} missing {:.2f} rms {:.1f} mm  edges {:.2f} {:.2f} px of {}{}  xyz {:.1f} {:.1f} "
+      "{:.2f} occ {:.2f} missing {:.2f} rms {:.1f} mm  edges {:.2f} outline {:.2f} {:.2f} px of {}{}  xyz "
+      "{:.1f} {:.1f} "
       "{:.1f}\n",
       image.scene_id, image.image_id, model.name, 1e3 * before.shift_m, before.turn_rad / kDegree,
       before.tilt_rad / kDegree, 1e3 * after.shift_m, after.turn_rad / kDegree, after.tilt_rad / kDegree,
       nees, q.depth_inlier_share, q.off_surface_share, q.occluded_share, q.missing_share, 1e3 * q.depth_rms_m,
-      q.edge_inlier_share, q.edge_rms_px, q.edge_samples, q.left_neighbourhood ? "  LEFT" : "",
-      1e3 * after.vector[0], 1e3 * after.vector[1], 1e3 * after.vector[2]);
+      q.edge_inlier_share, q.outline_inlier_share, q.edge_rms_px, q.edge_samples,
+      q.left_neighbourhood ? "  LEFT" : "", 1e3 * after.vector[0], 1e3 * after.vector[1],
+      1e3 * after.vector[2]);
 }
 
 int run(const Options& o) {

@@ -17,6 +17,8 @@ PoseEstimate good() {
   e.refinement.missing_share = 0.05;
   e.refinement.occluded_share = 0.02;
   e.refinement.edge_inlier_share = 0.8;
+  e.refinement.outline_inlier_share = 0.85;
+  e.refinement.mark_inlier_share = 0.6;
   e.refinement.depth_rms_m = 0.002;
   e.refinement.shift_m = 0.005;
   return e;

@@ -37,7 +37,9 @@ TEST(NearestEdge, MeasuresAcrossALineOfAnyDirection) {
       }
       worst = std::max(worst, std::abs(*found - off));
       const auto reversed = nearest_edge(edges, from, -normal, 6);
-      if (reversed) EXPECT_NEAR(*reversed, -*found, 1.01);
+      if (reversed) {
+        EXPECT_NEAR(*reversed, -*found, 1.01);
+      }
     }
     EXPECT_LE(missed, 3) << degrees;
     EXPECT_LT(worst, 1.6) << degrees;
