@@ -32,7 +32,7 @@ struct DetectOptions {
   double deadline_ms = 0;              ///< for the search of one frame; 0 = none
   int threads = 0;                     ///< of the search; 0 = all cores
   std::string scoring = "likelihood";  ///< see sextant detect --help
-  std::string bound = "window";        ///< see sextant detect --help
+  std::string bound = "lanes";         ///< see sextant detect --help
   int search_width = 0;                ///< width of the image that is searched; 0 = the frame's
   bool refine = true;                  ///< from the lattice pose to the continuous one
   double false_positive_rate = 0.1;    ///< wanted share of images with a false detection; 1: report all
