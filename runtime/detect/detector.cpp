@@ -189,7 +189,7 @@ struct Detector::Impl {
     estimate.camera_from_object = refined.camera_from_object * model.object_from_mesh;
     const Eigen::Vector3d offset =
         estimate.camera_from_object.translation() - refined.camera_from_object.translation();
-    estimate.covariance = moved_covariance(refined.covariance, offset);
+    estimate.covariance = moved_covariance(with_model_error(refined.covariance), offset);
     estimate.refinement = refined.quality;
     estimate.score = confidence(model.confidence, confidence_features(estimate));
     estimate.bbox = outline_box(model, frame.camera, refined.camera_from_object);

@@ -11,9 +11,10 @@ namespace {
 
 constexpr std::size_t kFewest = 150;
 constexpr std::size_t kWanted = 900;  ///< samples looked at, about
-// What no fit can know better: the object may stand on a crumb, a mesh's base may be rounded or dented.
-constexpr double kHeightFloorM = 0.002;
-constexpr double kTiltFloorRad = 0.017;  // 1 deg
+// What no fit can know better: an object may stand on a crumb, a scanned mesh's base is millimetres and
+// degrees off (the YCB meshes: up to 8 mm, 2-6 deg).
+constexpr double kHeightFloorM = 0.004;
+constexpr double kTiltFloorRad = 0.035;  // 2 deg
 
 struct Sample {
   double u = 0, v = 0;  ///< on the stated plane, metres from the point below the object

@@ -190,6 +190,9 @@ struct Refiner::Impl {
     kept.quality.left_neighbourhood = true;
     kept.quality.shift_m = best.quality.shift_m;
     kept.quality.turn_rad = best.quality.turn_rad;
+    // Nothing was found around it: as uncertain as any lattice pose.
+    kept.covariance.diagonal().head<3>().array() += kPriorShiftM * kPriorShiftM;
+    kept.covariance.diagonal().tail<3>().array() += kPriorTurnRad * kPriorTurnRad;
     return kept;
   }
 };
@@ -209,6 +212,15 @@ Eigen::Matrix<double, 6, 6> moved_covariance(const Eigen::Matrix<double, 6, 6>& 
   move.topRightCorner<3, 3>() << 0, offset.z(), -offset.y(), -offset.z(), 0, offset.x(), offset.y(),
       -offset.x(), 0;
   return move * covariance * move.transpose();
+}
+
+Eigen::Matrix<double, 6, 6> with_model_error(const Eigen::Matrix<double, 6, 6>& covariance) {
+  constexpr double kShiftM = 0.0015;
+  constexpr double kTurnRad = 0.017;  // 1 deg
+  Eigen::Matrix<double, 6, 6> out = covariance;
+  out.diagonal().head<3>().array() += kShiftM * kShiftM;
+  out.diagonal().tail<3>().array() += kTurnRad * kTurnRad;
+  return out;
 }
 
 }  // namespace sextant

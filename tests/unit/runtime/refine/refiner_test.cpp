@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "tests/unit/runtime/refine/refine_scene.h"
@@ -167,6 +168,7 @@ TEST(Refiner, AnOptimumFarFromTheLatticePoseIsRefusedAndSaid) {
   EXPECT_FALSE(refined.quality.refined);
   EXPECT_EQ(refined.camera_from_object.matrix(), truth.matrix());
   EXPECT_GT(refined.quality.shift_m, Refiner::kMaxShiftM);
+  EXPECT_GT(std::sqrt(refined.covariance(0, 0)), 0.01) << "nobody knows where it is";
 }
 
 TEST(Refiner, SurvivesPosesOutsideTheImageAndModelsWithoutMesh) {
@@ -185,6 +187,19 @@ TEST(Refiner, SurvivesPosesOutsideTheImageAndModelsWithoutMesh) {
   model.mesh = {};
   Refiner bare(model);
   EXPECT_FALSE(bare.refine(seen(scene), truth).quality.refined);
+}
+
+TEST(WithModelError, OnlyAddsAndStaysHonestAboutTheSpin) {
+  const ObjectModel model = model_of(cylinder_mesh(0.035F, 0.06F), 0.06, 0);
+  const RigidTransform truth = standing(model, kTable, 320, 240, 0);
+  const Scene scene = make_scene({{&model.mesh, truth}}, kTable, "kinect1", 9);
+  Refiner refiner(model);
+  const auto sensor = refiner.refine(seen(scene), truth).covariance;
+  const auto published = with_model_error(sensor);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> added(published - sensor);
+  EXPECT_GT(added.eigenvalues().minCoeff(), 1e-7);
+  EXPECT_GT(std::sqrt(published(2, 2)), 0.001);
+  EXPECT_LT(std::sqrt(published(2, 2)), 0.006);
 }
 
 TEST(MovedCovariance, IsThatOfTheMovedPoint) {
