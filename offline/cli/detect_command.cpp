@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 
@@ -22,13 +23,19 @@ namespace sextant {
 namespace {
 
 void print_text(const FrameResult& r) {
-  fmt::print("scene {} image {}: features {:.1f} ms, tables {:.1f} ms, search {:.1f} ms, {} nodes\n",
-             r.scene_id, r.image_id, r.seconds.features * 1e3, r.seconds.tables * 1e3, r.seconds.search * 1e3,
-             r.nodes);
+  fmt::print(
+      "scene {} image {}: features {:.1f} ms, tables {:.1f} ms, search {:.1f} ms, refine {:.1f} ms, {} "
+      "nodes\n",
+      r.scene_id, r.image_id, r.seconds.features * 1e3, r.seconds.tables * 1e3, r.seconds.search * 1e3,
+      r.seconds.refine * 1e3, r.nodes);
   for (const PoseEstimate& e : r.estimates) {
     const Eigen::Vector3d t = e.camera_from_object.translation();
-    fmt::print("  {:<16} score {:.2f}  log {:8.1f}  gap {:.1f}  {}  at ({:+.3f}, {:+.3f}, {:.3f}) m\n",
-               e.object_name, e.score, e.log_score, e.gap, to_string(e.status), t.x(), t.y(), t.z());
+    fmt::print(
+        "  {:<16} score {:.2f}  log {:8.1f}  gap {:.1f}  {}  at ({:+.4f}, {:+.4f}, {:.4f}) m +- {:.1f} "
+        "mm{}\n",
+        e.object_name, e.score, e.log_score, e.gap, to_string(e.status), t.x(), t.y(), t.z(),
+        1e3 * std::sqrt(e.covariance.topLeftCorner<3, 3>().trace()),
+        e.refinement.left_neighbourhood ? "  (refinement left the neighbourhood: lattice pose)" : "");
   }
   for (const ObjectOutcome& o : r.objects) {
     if (o.status == SearchStatus::kAbsent) {
@@ -39,6 +46,10 @@ void print_text(const FrameResult& r) {
     if (o.status == SearchStatus::kBounded && !found) {
       fmt::print("  {:<16} bounded: the deadline came first; no pose scores above {:.1f}\n", o.object_name,
                  o.upper_bound);
+    }
+    if (o.doubtful > 0) {
+      fmt::print("  {:<16} {} less certain than {:.2f} left out (--false-positive-rate)\n", o.object_name,
+                 o.doubtful, o.least_confidence);
     }
     if (o.coverage < 0.999) {
       fmt::print(

@@ -77,6 +77,12 @@ void DetectArguments::add_to(CLI::App& command) {
   command
       .add_option("--search-width", detect.search_width, "width of the image that is searched, 0: as it is")
       ->capture_default_str();
+  command.add_flag("!--no-refine", detect.refine, "keep the lattice poses; the score is the evidence share");
+  command
+      .add_option("--false-positive-rate", detect.false_positive_rate,
+                  "wanted share of images with a false detection, for calibrated models; 1: report all")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   command.add_option("--min-distance-m", detect.min_distance_m, "nearest object centre")
       ->capture_default_str();
   command.add_option("--max-distance-m", detect.max_distance_m, "farthest object centre")

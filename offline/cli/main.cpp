@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "offline/cli/calibrate_command.h"
 #include "offline/cli/commands.h"
 #include "offline/cli/echo.h"
 #include "offline/cli/evaluate_command.h"
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
   sextant::add_inspect_command(app, exit_code);
   sextant::add_render_command(app, exit_code);
   sextant::add_detect_command(app, exit_code);
+  sextant::add_calibrate_command(app, exit_code);
   sextant::add_evaluate_command(app, exit_code);
   sextant::add_synthesize_command(app, exit_code);
   sextant::add_echo_command(app, exit_code);

@@ -124,6 +124,11 @@ std::string model_as_text(const ModelFileContent& content, const std::string& fi
                    origin_mm.x(), origin_mm.y(), origin_mm.z(), up.x(), up.y(), up.z()));
   line("outline mesh",
        fmt::format("{} vertices, {} triangles", model.mesh.vertices.size(), model.mesh.triangles.size()));
+  line("print", fmt::format("{} marks", model.marks.size()));
+  line("confidence", model.confidence.calibrated
+                         ? fmt::format("calibrated on {} images, a false detection on {} of them",
+                                       model.confidence.images, model.confidence.false_confidences.size())
+                         : std::string("not calibrated (sextant calibrate): general weights"));
   const std::vector<const ViewpointBin*> bins = all_bins(model);
   const RotationBox box = hull(model);
   line("bins",
@@ -169,6 +174,9 @@ std::string model_as_json(const ModelFileContent& content, const std::string& fi
   out["geometric_symmetry_deg"] = model.geometric_symmetry_deg;
   out["bounding_radius_m"] = model.bounding_radius_m;
   out["centre_height_m"] = model.centre_height_m;
+  out["marks"] = model.marks.size();
+  out["calibrated"] = model.confidence.calibrated;
+  out["calibration_images"] = model.confidence.images;
   const Eigen::Matrix4d transform = model.object_from_mesh.matrix();
   for (Eigen::Index r = 0; r < 4; ++r) {
     out["object_from_mesh"].push_back({transform(r, 0), transform(r, 1), transform(r, 2), transform(r, 3)});

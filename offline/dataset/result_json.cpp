@@ -4,15 +4,37 @@
 #include <nlohmann/json.hpp>
 
 namespace sextant {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json refinement_json(const Refinement& r) {
+  return {{"refined", r.refined},
+          {"left_neighbourhood", r.left_neighbourhood},
+          {"shift_m", r.shift_m},
+          {"turn_rad", r.turn_rad},
+          {"depth_inlier_share", r.depth_inlier_share},
+          {"off_surface_share", r.off_surface_share},
+          {"occluded_share", r.occluded_share},
+          {"missing_share", r.missing_share},
+          {"depth_rms_m", r.depth_rms_m},
+          {"edge_inlier_share", r.edge_inlier_share},
+          {"outline_inlier_share", r.outline_inlier_share},
+          {"mark_inlier_share", r.mark_inlier_share},
+          {"edge_rms_px", r.edge_rms_px}};
+}
+
+}  // namespace
 
 std::string format_result_json(const FrameResult& result) {
-  using Json = nlohmann::ordered_json;
   Json objects = Json::array();
   for (const ObjectOutcome& object : result.objects) {
     objects.push_back({{"obj_id", object.object_id},
                        {"status", to_string(object.status)},
                        {"upper_bound", object.upper_bound},
-                       {"coverage", object.coverage}});
+                       {"coverage", object.coverage},
+                       {"doubtful", object.doubtful},
+                       {"least_confidence", object.least_confidence}});
   }
   Json detections = Json::array();
   for (const PoseEstimate& estimate : result.estimates) {
@@ -21,13 +43,21 @@ std::string format_result_json(const FrameResult& result) {
       const auto m = estimate.camera_from_object.matrix().row(row);
       pose.push_back({m(0), m(1), m(2), m(3)});
     }
+    Json covariance = Json::array();
+    for (int row = 0; row < 6; ++row) {
+      const auto c = estimate.covariance.row(row);
+      covariance.push_back({c(0), c(1), c(2), c(3), c(4), c(5)});
+    }
     detections.push_back({{"obj_id", estimate.object_id},
                           {"score", estimate.score},
+                          {"evidence_share", estimate.evidence_share},
                           {"log_score", estimate.log_score},
                           {"upper_bound", estimate.upper_bound},
                           {"gap", estimate.gap},
                           {"status", to_string(estimate.status)},
                           {"camera_from_object", pose},
+                          {"covariance", covariance},
+                          {"refinement", refinement_json(estimate.refinement)},
                           {"bbox", estimate.bbox}});
   }
   const StageSeconds& s = result.seconds;

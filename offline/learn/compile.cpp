@@ -7,6 +7,7 @@
 
 #include "offline/learn/bin_codec.h"
 #include "offline/learn/learn_bin.h"
+#include "offline/learn/surface_marks.h"
 #include "offline/learn/training_view.h"
 #include "offline/learn/worker_processes.h"
 #include "offline/mesh/simplify.h"
@@ -18,6 +19,7 @@ namespace sextant {
 namespace {
 
 constexpr std::size_t kModelTriangles = 4000;
+constexpr double kMeshToleranceM = 0.0005;  // half a sensor's step of depth
 
 /// Seed of one bin (splitmix64 of the job's seed and the bin's number).
 std::uint64_t seed_of_bin(std::uint64_t seed, std::size_t bin) {
@@ -91,7 +93,12 @@ ObjectModel assemble_model(const StandingObject& object, const LearnParameters& 
   model.centre_height_m = object.centre_height_m;
   model.object_from_mesh = object.object_from_mesh;
   model.bins = std::move(bins);
-  model.mesh = simplified(object.mesh, kModelTriangles);
+  model.mesh = simplified_within(object.mesh, kMeshToleranceM, kModelTriangles);
+  {
+    Renderer renderer;
+    const int mesh = renderer.upload(object.mesh);
+    model.marks = find_surface_marks(renderer, mesh, object, model.mesh);
+  }
   model.provenance.program_version = kProgramVersion;
   model.provenance.mesh_name = mesh_file_name;
   model.provenance.mesh_hash = object.file_hash;

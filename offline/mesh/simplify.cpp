@@ -335,4 +335,16 @@ double surface_distance_m(const Mesh& mesh, const ModelMesh& other, std::size_t 
   return most;
 }
 
+ModelMesh simplified_within(const Mesh& mesh, double tolerance_m, std::size_t max_triangles) {
+  constexpr std::size_t kCoarsest = 200;
+  std::vector<std::size_t> sizes;
+  for (std::size_t n = max_triangles; n >= kCoarsest; n /= 2) sizes.push_back(n);
+  // From the coarsest on: the first that fits wins, the finest needs no check.
+  for (std::size_t i = sizes.size(); i-- > 1;) {
+    ModelMesh candidate = simplified(mesh, sizes[i]);
+    if (surface_distance_m(mesh, candidate) <= tolerance_m) return candidate;
+  }
+  return simplified(mesh, max_triangles);
+}
+
 }  // namespace sextant

@@ -17,6 +17,11 @@ namespace sextant {
 /// O(n log n): about half a minute for 2,000,000 triangles.
 ModelMesh simplified(const Mesh& mesh, std::size_t max_triangles);
 
+/// The coarsest of a few simplifications (at most max_triangles, and halves, quarters, ... of it down to 200)
+/// that stays within tolerance_m of the mesh (surface_distance_m); the finest where none does. A box becomes
+/// its twelve triangles however finely it was cut, and refinement costs the less.
+ModelMesh simplified_within(const Mesh& mesh, double tolerance_m, std::size_t max_triangles);
+
 /// The largest distance between two surfaces, both ways, at `samples` points spread over each and at all
 /// vertices (a sampled Hausdorff distance), metres.
 double surface_distance_m(const Mesh& mesh, const ModelMesh& other, std::size_t samples = 20000);

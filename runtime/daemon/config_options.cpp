@@ -109,6 +109,8 @@ DetectOptions detect_options(const DaemonConfig& config) {
   options.tolerance = {d.height_tolerance_m, d.angle_tolerance_deg * kRadiansPerDegree};
   options.max_detections = d.max_detections;
   options.threshold = d.threshold;
+  options.refine = d.refine;
+  options.false_positive_rate = d.false_positive_rate;
   options.deadline_ms = d.deadline_ms;
   options.threads = d.threads;
   options.scoring = d.scoring;

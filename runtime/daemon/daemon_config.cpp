@@ -151,6 +151,17 @@ std::vector<ConfigField> config_fields(DaemonConfig& c) {
        .lowest = -1e9,
        .highest = 1e9},
       {.section = "detect",
+       .key = "refine",
+       .target = &c.detect.refine,
+       .text = "Poses between the search's grid points, with a covariance and a probability of being right."},
+      {.section = "detect",
+       .key = "false_positive_rate",
+       .target = &c.detect.false_positive_rate,
+       .text = "Wanted share of frames with a false detection, for models that sextant calibrate has seen; 1 "
+               "reports all.",
+       .lowest = 0.0001,
+       .highest = 1},
+      {.section = "detect",
        .key = "deadline_ms",
        .target = &c.detect.deadline_ms,
        .text = "The search of one frame ends after this time with the best pose so far and a bound on what "

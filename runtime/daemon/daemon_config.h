@@ -48,6 +48,8 @@ struct DaemonConfig {
     double angle_tolerance_deg = 12;
     int max_detections = DetectOptions().max_detections;
     std::optional<double> threshold = DetectOptions().threshold;
+    bool refine = DetectOptions().refine;
+    double false_positive_rate = DetectOptions().false_positive_rate;
     double deadline_ms = DetectOptions().deadline_ms;
     int threads = DetectOptions().threads;
     std::string scoring = DetectOptions().scoring;

@@ -11,6 +11,8 @@
 #include "runtime/frame/search_frame.h"
 #include "runtime/frame/table_estimate.h"
 #include "runtime/geometry/pose_mapping.h"
+#include "runtime/refine/confidence.h"
+#include "runtime/refine/refiner.h"
 #include "runtime/search/branch_and_bound.h"
 #include "runtime/search/lanes/lane_search.h"
 #include "runtime/search/reference/thesis_search.h"
@@ -38,6 +40,9 @@ void check(const DetectOptions& o) {
   if (!(o.deadline_ms >= 0)) throw UsageError("the deadline must be >= 0 ms (0: none)");
   if (!(o.min_distance_m > 0.05) || !(o.max_distance_m > o.min_distance_m) || o.max_distance_m > 60) {
     throw UsageError("distances must satisfy 0.05 < min < max <= 60 m");
+  }
+  if (!(o.false_positive_rate > 0 && o.false_positive_rate <= 1)) {
+    throw UsageError("the false-positive rate must be above 0, at most 1 (1: report all)");
   }
   if (o.search_width != 0 && (o.search_width < 64 || o.search_width > 4096)) {
     throw UsageError("the search width must be 64..4096 pixels (0: the frame's)");
@@ -73,6 +78,7 @@ struct Detector::Impl {
   std::vector<ObjectModel> models;
   DetectOptions options;
   std::vector<SearchedObject> objects;
+  std::vector<Refiner> refiners;  ///< one per model
   WorkerPool pool;
   Rectifier rectifier;
   FrameTables tables;
@@ -94,6 +100,7 @@ struct Detector::Impl {
       }
       for (const ScoredBin& bin : object.bins) object.lane_bins.push_back(lane_bin(bin, object.threshold));
       objects.push_back(std::move(object));
+      refiners.emplace_back(model);
     }
   }
 
@@ -167,8 +174,43 @@ struct Detector::Impl {
         lanes ? search_together(constraints, search_start) : search_in_turn(constraints, search_start);
     for (std::size_t i = 0; i < models.size(); ++i) report(i, frame, constraints[i], outcomes[i], result);
     result.seconds.search = seconds_since(search_start);
+
+    if (options.refine) {
+      const auto refine_start = Clock::now();
+      const RefineFrame seen{rectified, edges, table, options.tolerance};
+      for (PoseEstimate& estimate : result.estimates) refine(seen, frame, estimate);
+      leave_out_doubtful(result);
+      result.seconds.refine = seconds_since(refine_start);
+    }
     result.seconds.total = seconds_since(start);
     return result;
+  }
+
+  /// Replaces a lattice pose by the continuous one.
+  void refine(const RefineFrame& seen, const RgbdFrame& frame, PoseEstimate& estimate) {
+    const ObjectModel& model = models[estimate.model_index];
+    const RigidTransform mesh_from_object = model.object_from_mesh.inverse();
+    const RefinedPose refined =
+        refiners[estimate.model_index].refine(seen, estimate.camera_from_object * mesh_from_object);
+    estimate.camera_from_object = refined.camera_from_object * model.object_from_mesh;
+    const Eigen::Vector3d offset =
+        estimate.camera_from_object.translation() - refined.camera_from_object.translation();
+    estimate.covariance = moved_covariance(with_model_error(refined.covariance), offset);
+    estimate.refinement = refined.quality;
+    estimate.score = confidence(model.confidence, confidence_features(estimate));
+    estimate.bbox = outline_box(model, frame.camera, refined.camera_from_object);
+  }
+
+  /// Leaves out what is less certain than the wanted false-positive rate allows.
+  void leave_out_doubtful(FrameResult& result) const {
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      ObjectOutcome& outcome = result.objects[i];
+      outcome.least_confidence =
+          threshold_for_false_positive_rate(models[i].confidence, options.false_positive_rate);
+      outcome.doubtful = static_cast<int>(std::erase_if(result.estimates, [&](const PoseEstimate& e) {
+        return e.model_index == i && e.score < outcome.least_confidence;
+      }));
+    }
   }
 
   std::function<bool()> expiry(Clock::time_point start, double budget_ms) const {
@@ -225,11 +267,13 @@ struct Detector::Impl {
     for (const ScoredPose& found : outcome.found) {
       const RigidTransform camera_from_object = transform_from_pose(camera, pose_of(found.pose));
       PoseEstimate e;
+      e.model_index = index;
       e.object_id = model.object_id;
       e.object_name = model.name;
       e.camera_from_object = camera_from_object * model.object_from_mesh;
       e.log_score = found.score;
-      e.score = evidence_share(object.bins[static_cast<std::size_t>(found.pose.bin)], found.score);
+      e.evidence_share = evidence_share(object.bins[static_cast<std::size_t>(found.pose.bin)], found.score);
+      e.score = e.evidence_share;
       e.upper_bound = outcome.upper_bound;
       e.gap = std::max(0.0, outcome.upper_bound - found.score);
       e.status = outcome.complete || e.gap == 0 ? SearchStatus::kOptimal : SearchStatus::kBounded;

@@ -34,6 +34,8 @@ struct DetectOptions {
   std::string scoring = "likelihood";  ///< see sextant detect --help
   std::string bound = "lanes";         ///< see sextant detect --help
   int search_width = 0;                ///< width of the image that is searched; 0 = the frame's
+  bool refine = true;                  ///< from the lattice pose to the continuous one
+  double false_positive_rate = 0.1;    ///< wanted share of images with a false detection; 1: report all
   double min_distance_m = 0.35;        ///< nearest object centre searched
   double max_distance_m = 3.0;         ///< farthest
 };

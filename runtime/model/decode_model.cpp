@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kDamaged = "copy the file again, or compile the mesh again with this version";
 constexpr const char* kNotOurs = "give a file that `sextant compile` of this version made";
 constexpr flatbuffers::uoffset_t kMaxDepth = 8;
-// A bin is three tables; model, mesh and provenance three more.
+// A bin is three tables; model, mesh, provenance, marks and confidence five more.
 constexpr flatbuffers::uoffset_t kMaxTables = 3 * kMaxModelBins + 16;
 
 /// Believes the header as far as it can be checked without the payload.
@@ -65,6 +65,8 @@ class Decoder {
     model.provenance = {from.provenance()->program_version()->str(), from.provenance()->mesh_name()->str(),
                         from.provenance()->mesh_hash(), from.provenance()->seed(),
                         from.provenance()->parameters()->str()};
+    if (from.marks() != nullptr) model.marks = decode_marks(*from.marks());
+    if (from.confidence() != nullptr) model.confidence = decode_confidence(*from.confidence());
     return model;
   }
 
@@ -183,6 +185,37 @@ class Decoder {
     const auto indices = array(from, from.size());
     mesh.triangles.resize(indices.size() / 3);
     for (std::size_t i = 0; i < indices.size(); ++i) mesh.triangles[i / 3][i % 3] = indices[i];
+  }
+
+  std::vector<SurfaceMark> decode_marks(const fbs::Marks& from) {
+    const std::size_t numbers = from.positions()->size();
+    require(numbers % 3 == 0 && numbers / 3 <= kMaxMarks, "the marks are not whole or too many");
+    const auto positions = steps_array(*from.positions(), numbers);
+    const auto directions = array(*from.directions(), numbers);
+    const auto normals = array(*from.normals(), numbers);
+    const int step = checked_step(from.position_step());
+    std::vector<SurfaceMark> marks(numbers / 3);
+    for (std::size_t i = 0; i < numbers; ++i) {
+      SurfaceMark& mark = marks[i / 3];
+      const auto axis = static_cast<Eigen::Index>(i % 3);
+      mark.point(axis) = metres(positions[i], step);
+      mark.direction(axis) = static_cast<float>(directions[i]) / 127;
+      mark.normal(axis) = static_cast<float>(normals[i]) / 127;
+    }
+    return marks;
+  }
+
+  ConfidenceModel decode_confidence(const fbs::Confidence& from) {
+    ConfidenceModel confidence;
+    const auto weights = array(*from.weights(), confidence.weights.size());
+    std::copy(weights.begin(), weights.end(), confidence.weights.begin());
+    require(from.false_confidences()->size() <= kMaxFalseConfidences && from.images() <= INT32_MAX,
+            "too many false detections");
+    const auto wrong = array(*from.false_confidences(), from.false_confidences()->size());
+    confidence.false_confidences.assign(wrong.begin(), wrong.end());
+    confidence.images = static_cast<int>(from.images());
+    confidence.calibrated = true;
+    return confidence;
   }
 
   static float metres(std::int16_t steps, int exponent) {

@@ -137,6 +137,32 @@ Offset<fbs::Mesh> encode_mesh(FlatBufferBuilder& to, const ModelMesh& mesh) {
                                fits ? nullptr : &wide);
 }
 
+Offset<fbs::Marks> encode_marks(FlatBufferBuilder& to, const std::vector<SurfaceMark>& marks) {
+  if (marks.empty()) return 0;
+  float farthest = 0;
+  for (const SurfaceMark& mark : marks) farthest = std::max(farthest, mark.point.cwiseAbs().maxCoeff());
+  const int step = step_exponent(farthest);
+  std::vector<std::int16_t> positions;
+  std::vector<std::int8_t> directions;
+  std::vector<std::int8_t> normals;
+  const auto unit = [](float v) {
+    return static_cast<std::int8_t>(std::clamp(std::lround(v * 127), -127L, 127L));
+  };
+  for (const SurfaceMark& mark : marks) {
+    for (const float c : mark.point) positions.push_back(in_steps(c, step));
+    for (const float c : mark.direction) directions.push_back(unit(c));
+    for (const float c : mark.normal) normals.push_back(unit(c));
+  }
+  return fbs::CreateMarksDirect(to, static_cast<std::int8_t>(step), &positions, &directions, &normals);
+}
+
+Offset<fbs::Confidence> encode_confidence(FlatBufferBuilder& to, const ConfidenceModel& confidence) {
+  if (!confidence.calibrated) return 0;
+  const std::vector<float> weights(confidence.weights.begin(), confidence.weights.end());
+  return fbs::CreateConfidenceDirect(to, &weights, &confidence.false_confidences,
+                                     static_cast<std::uint32_t>(confidence.images));
+}
+
 Offset<fbs::Model> encode_all(FlatBufferBuilder& to, const ObjectModel& model) {
   std::vector<Offset<fbs::Bin>> bins;
   bins.reserve(model.bins.size());
@@ -146,6 +172,8 @@ Offset<fbs::Model> encode_all(FlatBufferBuilder& to, const ObjectModel& model) {
   const auto provenance =
       fbs::CreateProvenanceDirect(to, from.program_version.c_str(), from.mesh_name.c_str(), from.mesh_hash,
                                   from.seed, from.parameters.c_str());
+  const auto marks = encode_marks(to, model.marks);
+  const auto confidence = encode_confidence(to, model.confidence);
   std::array<double, 9> rotation{};
   Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data()) = model.object_from_mesh.linear();
   std::array<double, 3> translation{};
@@ -155,7 +183,7 @@ Offset<fbs::Model> encode_all(FlatBufferBuilder& to, const ObjectModel& model) {
   return fbs::CreateModelDirect(
       to, model.name.c_str(), model.object_id, static_cast<std::int16_t>(model.symmetry_deg),
       static_cast<std::int16_t>(model.geometric_symmetry_deg), model.bounding_radius_m, model.centre_height_m,
-      &object_from_mesh, &bins, mesh, provenance);
+      &object_from_mesh, &bins, mesh, provenance, marks, confidence);
 }
 
 }  // namespace

@@ -123,6 +123,30 @@ void check_mesh(const Checker& check, const ObjectModel& model) {
   }
 }
 
+void check_marks(const Checker& check, const ObjectModel& model) {
+  check.require(model.marks.size() <= kMaxMarks, "too many marks");
+  const auto reach = static_cast<float>(2 * model.bounding_radius_m + 1e-3);
+  for (const SurfaceMark& mark : model.marks) {
+    check.require(mark.point.allFinite() && mark.point.cwiseAbs().maxCoeff() <= reach,
+                  "a mark is far outside of the bounding sphere");
+    check.require(within(mark.direction.norm(), 0.9, 1.1) && within(mark.normal.norm(), 0.9, 1.1),
+                  "a direction is not of unit length");
+  }
+}
+
+void check_confidence(const Checker& check, const ConfidenceModel& confidence) {
+  check.require(std::all_of(confidence.weights.begin(), confidence.weights.end(),
+                            [](float w) { return within(w, -1000, 1000); }),
+                "a weight is not a sane number");
+  const auto& wrong = confidence.false_confidences;
+  check.require(wrong.size() <= kMaxFalseConfidences && confidence.images >= 0 &&
+                    wrong.size() <= static_cast<std::size_t>(confidence.images),
+                "more false detections than images");
+  check.require(std::all_of(wrong.begin(), wrong.end(), [](float c) { return within(c, 0, 1); }) &&
+                    std::is_sorted(wrong.rbegin(), wrong.rend()),
+                "the confidences of false detections are not falling numbers of 0..1");
+}
+
 }  // namespace
 
 void check_model(const ObjectModel& model, const std::string& where, const std::string& advice) {
@@ -136,6 +160,10 @@ void check_model(const ObjectModel& model, const std::string& where, const std::
   }
   check.at("mesh: ");
   check_mesh(check, model);
+  check.at("marks: ");
+  check_marks(check, model);
+  check.at("confidence: ");
+  check_confidence(check, model.confidence);
 }
 
 bool is_printable_utf8(const std::string& text) {

@@ -14,6 +14,7 @@ inline constexpr std::size_t kMaxModelBins = 5000;
 inline constexpr std::size_t kMaxPartsPerKind = 4096;  ///< visual parts of a bin; depth parts of a bin
 inline constexpr std::size_t kMaxModelVertices = 1 << 20;
 inline constexpr std::size_t kMaxModelTriangles = 1 << 21;
+inline constexpr std::size_t kMaxMarks = 65536;
 inline constexpr double kMaxObjectRadiusM = 10;
 
 /// Throws InputError(where) with the first thing that is out of range: counts, kinds, boxes, non-finite or

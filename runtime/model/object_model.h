@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "runtime/geometry/rigid_transform.h"
+#include "runtime/model/confidence_model.h"
 
 namespace sextant {
 
@@ -55,6 +56,14 @@ struct ModelMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
+/// A point of an edge of the object's print (or of any other change of colour that is no crease), object
+/// frame.
+struct SurfaceMark {
+  Eigen::Vector3f point{0, 0, 0};      ///< metres
+  Eigen::Vector3f direction{1, 0, 0};  ///< unit, along the edge
+  Eigen::Vector3f normal{0, 0, 1};     ///< unit, of the surface, outwards
+};
+
 /// What makes a model reproducible, and who it is.
 struct ModelProvenance {
   std::string program_version;  ///< "sextant 0.1.0"
@@ -77,6 +86,8 @@ struct ObjectModel {
   RigidTransform object_from_mesh = RigidTransform::Identity();
   std::vector<ViewpointBin> bins;
   ModelMesh mesh;
+  std::vector<SurfaceMark> marks;  ///< for the refinement; may be empty
+  ConfidenceModel confidence;
   ModelProvenance provenance;
 };
 

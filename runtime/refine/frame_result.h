@@ -10,6 +10,7 @@
 
 #include "runtime/frame/rgbd_frame.h"
 #include "runtime/geometry/rigid_transform.h"
+#include "runtime/refine/refinement.h"
 
 namespace sextant {
 
@@ -34,15 +35,18 @@ inline const char* to_string(SearchStatus status) {
 
 /// One pose of one object.
 struct PoseEstimate {
+  std::size_t model_index = 0;  ///< of the detector's models
   int object_id = 0;
   std::string object_name;
   RigidTransform camera_from_object = RigidTransform::Identity();  ///< of the mesh's own frame, metres
   Eigen::Matrix<double, 6, 6> covariance =
       Eigen::Matrix<double, 6, 6>::Zero();  ///< x y z rx ry rz; 0: unknown
-  double score = 0;                         ///< in [0, 1]
-  double log_score = 0;                     ///< the score that the search maximises
-  double upper_bound = 0;                   ///< no pose that is neither reported nor suppressed scores higher
-  double gap = 0;                           ///< max(0, upper_bound - log_score)
+  Refinement refinement;                    ///< how the pose was refined, and how well it explains the frame
+  double score = 0;           ///< in [0, 1]: the probability that the pose is right within 1 cm and 15 deg
+  double evidence_share = 0;  ///< of the best possible log score, in [0, 1]
+  double log_score = 0;       ///< the score that the search maximises
+  double upper_bound = 0;     ///< no pose that is neither reported nor suppressed scores higher
+  double gap = 0;             ///< max(0, upper_bound - log_score)
   SearchStatus status = SearchStatus::kOptimal;
   std::array<double, 4> bbox{};  ///< x, y, width, height, pixels of the source image
 };
@@ -52,9 +56,11 @@ struct ObjectOutcome {
   int object_id = 0;
   std::string object_name;
   SearchStatus status = SearchStatus::kAbsent;
-  double upper_bound = 0;  ///< of every pose that is neither reported nor suppressed by a reported one
-  double threshold = 0;    ///< log score that a pose had to reach
-  double coverage = 1;     ///< share of the feasible poses that the model's bins cover
+  double upper_bound = 0;       ///< of every pose that is neither reported nor suppressed by a reported one
+  double threshold = 0;         ///< log score that a pose had to reach
+  double coverage = 1;          ///< share of the feasible poses that the model's bins cover
+  int doubtful = 0;             ///< detections left out because their confidence is below `least_confidence`
+  double least_confidence = 0;  ///< that follows from the wanted false-positive rate
 };
 
 /// Seconds of each stage.

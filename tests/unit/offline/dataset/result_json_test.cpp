@@ -20,10 +20,26 @@ TEST(ResultJson, HasExactlyTheDocumentedKeys) {
   outcome.status = SearchStatus::kAbsent;
   outcome.upper_bound = -std::numeric_limits<double>::infinity();
   outcome.coverage = 0.5;
+  outcome.doubtful = 2;
+  outcome.least_confidence = 0.25;
   result.objects = {outcome};
   PoseEstimate estimate;
   estimate.object_id = 8;
   estimate.score = 0.75;
+  estimate.evidence_share = 0.5;
+  estimate.covariance.diagonal() << 1, 2, 3, 4, 5, 6;
+  estimate.refinement.refined = true;
+  estimate.refinement.shift_m = 0.004;
+  estimate.refinement.turn_rad = 0.02;
+  estimate.refinement.depth_inlier_share = 0.5;
+  estimate.refinement.off_surface_share = 0.25;
+  estimate.refinement.occluded_share = 0.125;
+  estimate.refinement.missing_share = 0.125;
+  estimate.refinement.depth_rms_m = 0.002;
+  estimate.refinement.edge_inlier_share = 0.75;
+  estimate.refinement.outline_inlier_share = 0.875;
+  estimate.refinement.mark_inlier_share = 0.625;
+  estimate.refinement.edge_rms_px = 0.5;
   estimate.log_score = -3;
   estimate.upper_bound = -2;
   estimate.gap = 1;
@@ -37,9 +53,15 @@ TEST(ResultJson, HasExactlyTheDocumentedKeys) {
   const nlohmann::json expected = nlohmann::json::parse(R"({
     "scene_id": 1, "im_id": 2,
     "seconds": {"features": 0.1, "tables": 0.2, "search": 0.3, "refine": 0.4, "total": 1.0}, "nodes": 345,
-    "objects": [{"obj_id": 7, "status": "absent", "upper_bound": null, "coverage": 0.5}],
-    "detections": [{"obj_id": 8, "score": 0.75, "log_score": -3.0, "upper_bound": -2.0, "gap": 1.0,
-      "status": "bounded", "camera_from_object": [[0,-1,0,5],[1,0,0,6],[0,0,1,7],[0,0,0,1]], "bbox": [1,2,3,4]}]})");
+    "objects": [{"obj_id": 7, "status": "absent", "upper_bound": null, "coverage": 0.5, "doubtful": 2,
+      "least_confidence": 0.25}],
+    "detections": [{"obj_id": 8, "score": 0.75, "evidence_share": 0.5, "log_score": -3.0, "upper_bound": -2.0, "gap": 1.0,
+      "status": "bounded", "camera_from_object": [[0,-1,0,5],[1,0,0,6],[0,0,1,7],[0,0,0,1]],
+      "covariance": [[1,0,0,0,0,0],[0,2,0,0,0,0],[0,0,3,0,0,0],[0,0,0,4,0,0],[0,0,0,0,5,0],[0,0,0,0,0,6]],
+      "refinement": {"refined": true, "left_neighbourhood": false, "shift_m": 0.004, "turn_rad": 0.02,
+        "depth_inlier_share": 0.5, "off_surface_share": 0.25, "occluded_share": 0.125, "missing_share": 0.125,
+        "depth_rms_m": 0.002, "edge_inlier_share": 0.75, "outline_inlier_share": 0.875, "mark_inlier_share": 0.625, "edge_rms_px": 0.5},
+      "bbox": [1,2,3,4]}]})");
   EXPECT_EQ(expected, nlohmann::json::parse(line));
 }
 

@@ -100,8 +100,8 @@ TEST(Compile, WhatWasLearntIsFoundAgain) {
     const RigidTransform expected = camera_from_object * model.object_from_mesh;
     EXPECT_EQ(e.status, SearchStatus::kOptimal);
     EXPECT_EQ(e.gap, 0);
-    EXPECT_LT((e.camera_from_object.translation() - expected.translation()).norm(), 0.01) << scoring;
-    EXPECT_LT(rotation_angle_between(e.camera_from_object, expected), 0.1) << scoring;
+    EXPECT_LT((e.camera_from_object.translation() - expected.translation()).norm(), 0.002) << scoring;
+    EXPECT_LT(rotation_angle_between(e.camera_from_object, expected), 0.02) << scoring;
     EXPECT_EQ(result.objects[0].coverage, 1);
   }
 }

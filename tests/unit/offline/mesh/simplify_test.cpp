@@ -189,5 +189,47 @@ TEST(SurfaceDistance, SeesBothWays) {
   EXPECT_NEAR(surface_distance_m(box, spike), 2.5, 1e-6);
 }
 
+// A block cut into thousands of triangles needs twelve; a bumpy torus keeps what its bumps need.
+TEST(SimplifiedWithin, TakesTheCoarsestThatFits) {
+  Mesh block;
+  MeshPart part;
+  constexpr int kCuts = 20;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float side : {-0.05F, 0.05F}) {
+      const auto base = static_cast<std::uint32_t>(block.vertices.size());
+      for (int i = 0; i <= kCuts; ++i) {
+        for (int k = 0; k <= kCuts; ++k) {
+          Eigen::Vector3f v;
+          v[axis] = side;
+          v[(axis + 1) % 3] = 0.1F * static_cast<float>(i) / kCuts - 0.05F;
+          v[(axis + 2) % 3] = 0.1F * static_cast<float>(k) / kCuts - 0.05F;
+          block.vertices.push_back(v);
+        }
+      }
+      const auto at = [&](int i, int k) { return base + static_cast<std::uint32_t>(i * (kCuts + 1) + k); };
+      for (int i = 0; i < kCuts; ++i) {
+        for (int k = 0; k < kCuts; ++k) {
+          part.triangles.push_back({at(i, k), at(i + 1, k), at(i + 1, k + 1)});
+          part.triangles.push_back({at(i, k), at(i + 1, k + 1), at(i, k + 1)});
+        }
+      }
+    }
+  }
+  block.normals.assign(block.vertices.size(), Eigen::Vector3f::UnitZ());
+  block.colours.assign(block.vertices.size(), Eigen::Vector3f::Ones());
+  block.uvs.assign(block.vertices.size(), Eigen::Vector2f::Zero());
+  block.parts = {part};
+  const ModelMesh simple = simplified_within(block, 0.0005, 4000);
+  EXPECT_LE(simple.triangles.size(), 250U);
+  EXPECT_LE(surface_distance_m(block, simple), 0.0005);
+
+  const Mesh torus = bumpy_torus(60);
+  const ModelMesh coarse = simplified_within(torus, 0.002, 4000);
+  const ModelMesh fine = simplified_within(torus, 0.0003, 4000);
+  EXPECT_LE(surface_distance_m(torus, coarse), 0.002);
+  EXPECT_LT(coarse.triangles.size(), fine.triangles.size());
+  EXPECT_EQ(simplified_within(torus, 0, 2000).triangles.size(), simplified(torus, 2000).triangles.size());
+}
+
 }  // namespace
 }  // namespace sextant

@@ -85,7 +85,15 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"missing depth", [](ObjectModel& m) { m.bins[0].depth[0].missing = kNan; }},
         Fault{"vertex", [](ObjectModel& m) { m.mesh.vertices[0].x() = kNan; }},
         Fault{"vertex", [](ObjectModel& m) { m.mesh.vertices[0].x() = 1; }},
-        Fault{"triangle", [](ObjectModel& m) { m.mesh.triangles[0][1] = 8; }}));
+        Fault{"triangle", [](ObjectModel& m) { m.mesh.triangles[0][1] = 8; }},
+        Fault{"mark", [](ObjectModel& m) { m.marks[0].point.x() = kNan; }},
+        Fault{"mark", [](ObjectModel& m) { m.marks[0].point.y() = 3; }},
+        Fault{"unit length", [](ObjectModel& m) { m.marks[1].direction *= 0.5F; }},
+        Fault{"unit length", [](ObjectModel& m) { m.marks[1].normal.setZero(); }},
+        Fault{"weight", [](ObjectModel& m) { m.confidence.weights[2] = kNan; }},
+        Fault{"false detections", [](ObjectModel& m) { m.confidence.images = 2; }},
+        Fault{"falling", [](ObjectModel& m) { m.confidence.false_confidences[0] = 0.1F; }},
+        Fault{"falling", [](ObjectModel& m) { m.confidence.false_confidences[0] = 1.5F; }}));
 
 TEST(PrintableUtf8, KnowsTextFromTricks) {
   for (const char* good :

@@ -61,8 +61,8 @@ TEST(DamagedModel, EveryTruncationIsRefused) {
 
 TEST(DamagedModel, AnotherVersionSaysWhatToDo) {
   Bytes bytes = encode_model(test::make_box_model(1, 3, 1));
-  bytes[4] = std::byte{2};
-  EXPECT_THAT(refusal(bytes), testing::HasSubstr("format version 2, this program reads version 1"));
+  bytes[4] = std::byte{3};
+  EXPECT_THAT(refusal(bytes), testing::HasSubstr("format version 3, this program reads version 2"));
   EXPECT_THAT(refusal(bytes), testing::EndsWith("compile the mesh again with this version"));
 }
 

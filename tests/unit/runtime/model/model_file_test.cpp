@@ -123,12 +123,36 @@ TEST(ModelFile, KeepsWhatIsNotQuantisedExactly) {
   EXPECT_EQ(back.provenance.seed, model.provenance.seed);
   EXPECT_EQ(back.provenance.parameters, model.provenance.parameters);
   EXPECT_EQ(back.mesh.triangles, model.mesh.triangles);
+  EXPECT_EQ(back.confidence.weights, model.confidence.weights);
+  EXPECT_EQ(back.confidence.calibrated, model.confidence.calibrated);
+  EXPECT_EQ(back.confidence.false_confidences, model.confidence.false_confidences);
+  EXPECT_EQ(back.confidence.images, model.confidence.images);
   ASSERT_EQ(back.bins.size(), model.bins.size());
   for (std::size_t i = 0; i < back.bins.size(); ++i) {
     EXPECT_EQ(back.bins[i].box.lo_deg, model.bins[i].box.lo_deg);
     EXPECT_EQ(back.bins[i].box.hi_deg, model.bins[i].box.hi_deg);
     EXPECT_EQ(back.bins[i].extent, model.bins[i].extent);
   }
+}
+
+TEST(ModelFile, KeepsMarksToFarLessThanTheyMatter) {
+  const ObjectModel model = test::make_box_model(1, 3, 3);
+  const ObjectModel back = decode_model(encode_model(model), "memory");
+  ASSERT_EQ(back.marks.size(), model.marks.size());
+  for (std::size_t i = 0; i < back.marks.size(); ++i) {
+    EXPECT_LT((back.marks[i].point - model.marks[i].point).norm(), 1e-5);
+    EXPECT_LT((back.marks[i].direction - model.marks[i].direction).norm(), 0.01);
+    EXPECT_LT((back.marks[i].normal - model.marks[i].normal).norm(), 0.01);
+  }
+}
+
+TEST(ModelFile, AModelWithoutMarksAndCalibrationHasNone) {
+  ObjectModel model = test::make_box_model(1, 3, 3);
+  model.marks.clear();
+  model.confidence = {};
+  const ObjectModel back = decode_model(encode_model(model), "memory");
+  EXPECT_TRUE(back.marks.empty());
+  EXPECT_FALSE(back.confidence.calibrated);
 }
 
 TEST(ModelFile, RoundsOnlyOnce) {

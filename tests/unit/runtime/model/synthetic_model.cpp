@@ -154,6 +154,12 @@ ObjectModel make_box_model(int turntable_bins, int parts, std::uint64_t seed) {
     }
   }
   model.mesh = box_mesh();
+  model.marks = {{{0.08F, 0.01F, 0.05F}, {0, 1, 0}, {1, 0, 0}},
+                 {{0, -0.03F, -0.1F}, {0.6F, 0, 0.8F}, {0, -1, 0}}};
+  model.confidence.weights = {-8, 5, 2.5F, 6, 0, 0.25F, 1, 3};
+  model.confidence.calibrated = true;
+  model.confidence.false_confidences = {0.75F, 0.5F, 0.125F};
+  model.confidence.images = 40;
   return model;
 }
 
