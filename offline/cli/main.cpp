@@ -10,6 +10,7 @@
 #include "offline/cli/evaluate_command.h"
 #include "offline/cli/inspect_command.h"
 #include "offline/cli/synthesize_command.h"
+#include "offline/cli/tune_command.h"
 #include "runtime/base/error.h"
 #include "runtime/base/version.h"
 
@@ -34,6 +35,7 @@ int main(int argc, char** argv) {
   sextant::add_detect_command(app, exit_code);
   sextant::add_evaluate_command(app, exit_code);
   sextant::add_synthesize_command(app, exit_code);
+  sextant::add_tune_command(app, exit_code);
   sextant::add_echo_command(app, exit_code);
   try {
     app.parse(argc, argv);
