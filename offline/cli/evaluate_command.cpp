@@ -116,6 +116,23 @@ struct Work {
   EvaluationReport report;
 };
 
+/// VSD where it can be measured; a line on stderr where not.
+void measure_vsd(Work& work, const BopDataset& dataset, const std::map<int, EvaluatedObject>& objects) {
+  std::error_code error;
+  for (const BopImage& image : dataset.images) {
+    if (std::filesystem::exists(image.depth, error)) continue;
+    fmt::print(stderr, "sextant: {} is missing: VSD and BOP's average recall are left out\n", image.depth.string());
+    return;
+  }
+  try {
+    ProgressBar progress("VSD");
+    add_vsd(work.report, dataset.images, objects, work.meshes,
+            [&](std::size_t done, std::size_t total) { progress.show(done, total); });
+  } catch (const DeviceError& e) {
+    fmt::print(stderr, "sextant: {}: VSD and BOP's average recall are left out\n", e.what());
+  }
+}
+
 Work evaluate_files(const Arguments& a) {
   BopDataset dataset = open_bop_dataset(a.dataset, a.split, a.scene);
   if (!dataset.has_ground_truth) {
@@ -142,11 +159,7 @@ Work evaluate_files(const Arguments& a) {
   EvaluationOptions options = a.options;
   if (!dataset.images.empty()) options.image_width = image_width_of(dataset.images.front());
   work.report = evaluate(dataset.images, results, objects, options, a.csv.string());
-  if (!a.no_vsd && !work.meshes.empty()) {
-    ProgressBar progress("VSD");
-    add_vsd(work.report, dataset.images, objects, work.meshes,
-            [&](std::size_t done, std::size_t total) { progress.show(done, total); });
-  }
+  if (!a.no_vsd && !work.meshes.empty()) measure_vsd(work, dataset, objects);
   work.dataset = std::move(dataset);
   return work;
 }

@@ -106,6 +106,7 @@ std::string format_report_json(const EvaluationReport& report) {
                                  {"obj_id", r.object_id},
                                  {"found", r.found},
                                  {"right", r.right},
+                                 {"strict", r.strict},
                                  {"score", r.score},
                                  {"translation_cm", r.found ? Json(r.translation_cm) : Json(nullptr)},
                                  {"rotation_deg", r.found ? Json(r.rotation_deg) : Json(nullptr)},

@@ -31,7 +31,6 @@ OBJECTS = [  # id, name, mesh, units, up
     (7, "mug", "mug.stl", "mm", "z"),
     (8, "drill", "drill.ply", "mm", "z"),
 ]
-ALL_IDS = ",".join(str(o[0]) for o in OBJECTS)
 
 
 def say(text):
@@ -57,6 +56,8 @@ class Protocol:
         self.sextant = os.path.join(BIN, "sextant")
         os.makedirs(self.out, exist_ok=True)
         self.rows = []
+        self.objects = [o for o in OBJECTS if o[0] in arguments.objects]
+        self.ids = ["--objects", ",".join(str(o[0]) for o in self.objects)]
 
     # ---- models and data sets -------------------------------------------------------------------------
     def compile(self, name, mesh, object_id, units, up, parameters, more=()):
@@ -73,17 +74,20 @@ class Protocol:
     def models(self):
         parameters = os.path.join(ROOT, "tests/benchmarks/synthetic.yaml")
         return [self.compile(name, os.path.join(MESHES, mesh), i, units, up, parameters)
-                for i, name, mesh, units, up in OBJECTS]
+                for i, name, mesh, units, up in self.objects]
 
     def dataset(self, name, seed, sensor, occlusion, images, negatives):
-        folder = os.path.join(self.out, "sets", f"{name}_{seed}_{images}_{negatives}")
+        folder = os.path.join(self.out, "sets", f"{name}_{seed}_{images}_{negatives}_{len(self.objects)}")
         done = os.path.join(folder, "test/000001/scene_gt.json")
         if self.a.keep_sets and os.path.exists(done) or not newer(self.sextant, done):
             return folder
-        specs = [f"{os.path.join(MESHES, mesh)}@{units},{up}" for _, _, mesh, units, up in OBJECTS]
+        specs = [f"{os.path.join(MESHES, mesh)}@{units},{up}" for _, _, mesh, units, up in self.objects]
+        others = [f"{os.path.join(MESHES, mesh)}@{units},{up}" for o in OBJECTS if o not in self.objects
+                  for _, _, mesh, units, up in [o]]
         start = time.time()
-        run([self.sextant, "synthesize", *specs, "--object-id", *[o[0] for o in OBJECTS], "-o", folder, "--images", images,
-             "--negatives", negatives, "--objects-per-image", 2, "--sensor", sensor, "--occlusion", occlusion, "--seed", seed])
+        run([self.sextant, "synthesize", *specs, "--object-id", *[o[0] for o in self.objects], "-o", folder, "--images", images,
+             "--negatives", negatives, "--objects-per-image", min(2, len(self.objects)), "--sensor", sensor, "--occlusion", occlusion, "--seed", seed,
+             *(["--distractor", *others] if others else [])])
         say(f"   made {images} + {negatives} images in {time.time() - start:.0f} s: {folder}")
         return folder
 
@@ -133,7 +137,7 @@ class Protocol:
                 say(f"== {what}")
                 folder = self.dataset(f"{sensor}_{name}", part_seed, sensor, occlusion, images, negatives)
                 csv = self.detect(folder, os.path.join(self.out, f"{self.a.half}_{sensor}_{name}.csv"), models)
-                self.add_row(what, "sextant", self.evaluate(folder, csv, ["--objects", ALL_IDS]))
+                self.add_row(what, "sextant", self.evaluate(folder, csv, self.ids))
                 if k == 0 and self.a.peers > 0 and name == "clear":
                     self.peers(sensor, part_seed, models)
 
@@ -147,12 +151,12 @@ class Protocol:
         folder = self.dataset(f"{sensor}_peers", seed, sensor, "0:0.05", self.a.peers, negatives)
         what = f"{sensor} clear, {self.a.peers} + {negatives} images"
         csv = self.detect(folder, os.path.join(self.out, f"{self.a.half}_{sensor}_peers_sextant.csv"), models)
-        self.add_row(what, "sextant", self.evaluate(folder, csv, ["--objects", ALL_IDS]))
+        self.add_row(what, "sextant", self.evaluate(folder, csv, self.ids))
         for name, program in programs:
             csv = os.path.join(self.out, f"{self.a.half}_{sensor}_peers_{name}.csv")
-            specs = [f"{i}={os.path.join(MESHES, mesh)}@{units},{up}" for i, _, mesh, units, up in OBJECTS]
+            specs = [f"{i}={os.path.join(MESHES, mesh)}@{units},{up}" for i, _, mesh, units, up in self.objects]
             say("   " + run([program, "--object", *specs, "--dataset", folder, "--csv", csv]).strip().replace("\n", "; "))
-            self.add_row(what, name, self.evaluate(folder, csv, ["--objects", ALL_IDS]))
+            self.add_row(what, name, self.evaluate(folder, csv, self.ids))
 
     def real(self):
         """Upright labelled instances that are at least 70 % visible (gt_check.json of the sets), strict and by shape."""
@@ -223,6 +227,8 @@ def main():
                         help="report: the seeds that nothing is ever tuned on, for the table in the docs")
     parser.add_argument("--images", type=int, default=300, help="with objects, per sensor (default 300)")
     parser.add_argument("--negatives", type=int, default=150, help="without, per sensor (default 150)")
+    parser.add_argument("--objects", type=int, nargs="+", default=[o[0] for o in OBJECTS], choices=[o[0] for o in OBJECTS],
+                        help="ids; the other bundled objects then stand around without a label (default: all)")
     parser.add_argument("--sensors", nargs="+", choices=SENSORS, default=SENSORS)
     parser.add_argument("--peers", type=int, default=60, help="images for the peers, on the first sensor; 0: none")
     parser.add_argument("--rgbd", default="", help="folder of the real sets (docs/BENCHMARKS.md)")
