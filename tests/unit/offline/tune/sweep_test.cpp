@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "runtime/base/error.h"
 
 namespace sextant {
@@ -32,7 +34,7 @@ TEST(Sweep, TooMuchOrTwiceIsRefused) {
   EXPECT_THROW(points_of({{"a", {"1"}}, {"a", {"2"}}}, false), UsageError);
   const std::vector<std::string> many(200, "1");
   std::vector<Sweep> sweeps;
-  for (int i = 0; i < 3; ++i) sweeps.push_back({"p" + std::to_string(i), many});
+  for (const char* name : {"p", "q", "r"}) sweeps.push_back({name, many});
   EXPECT_THROW(points_of(sweeps, true), UsageError);
 }
 
