@@ -121,7 +121,8 @@ void measure_vsd(Work& work, const BopDataset& dataset, const std::map<int, Eval
   std::error_code error;
   for (const BopImage& image : dataset.images) {
     if (std::filesystem::exists(image.depth, error)) continue;
-    fmt::print(stderr, "sextant: {} is missing: VSD and BOP's average recall are left out\n", image.depth.string());
+    fmt::print(stderr, "sextant: {} is missing: VSD and BOP's average recall are left out\n",
+               image.depth.string());
     return;
   }
   try {

@@ -23,12 +23,12 @@ SEEDS = {"development": 1000, "report": 9000}
 SENSORS = ["kinect1", "xtion", "realsense"]
 OBJECTS = [  # id, name, mesh, units, up
     (1, "printed_box", "printed_box.obj", "mm", "z"),
-    (2, "tea_box", "tea_box.obj", "mm", "z"),
-    (3, "can", "can.glb", "m", "y"),
-    (4, "snack_tube", "snack_tube.glb", "m", "y"),
-    (5, "bottle", "bottle.ply", "mm", "z"),
-    (6, "sauce_bottle", "sauce_bottle.glb", "m", "y"),
-    (7, "mug", "mug.stl", "mm", "z"),
+    (2, "bottle", "bottle.ply", "mm", "z"),
+    (3, "mug", "mug.stl", "mm", "z"),
+    (4, "can", "can.glb", "m", "y"),
+    (5, "tea_box", "tea_box.obj", "mm", "z"),
+    (6, "snack_tube", "snack_tube.glb", "m", "y"),
+    (7, "sauce_bottle", "sauce_bottle.glb", "m", "y"),
     (8, "drill", "drill.ply", "mm", "z"),
 ]
 

@@ -92,13 +92,18 @@ class LinemodPeer : public Peer {
     Light light;
     light.position_in_camera = {0.3, -0.6, 0};
     light.ambient = 0.6;
-    const RenderedView view = renderer.render(camera, {0, 0, camera.width, camera.height},
-                                              {{object.mesh, transform}}, light, {128, 128, 128});
+    // The part of the picture around the object, with room for the pyramid's filters.
+    const int reach = static_cast<int>(1.3 * camera.focal * object.object.bounding_radius_m / distance) + 24;
+    const cv::Rect window(static_cast<int>(camera.cx) - reach, static_cast<int>(camera.cy) - reach, 2 * reach,
+                          2 * reach);
+    const RenderedView view =
+        renderer.render(camera, window, {{object.mesh, transform}}, light, {128, 128, 128});
     const cv::Mat mask = view.item == 0;
     cv::Mat depth(view.ray_depth_m.size(), CV_32FC1);
     for (int y = 0; y < depth.rows; ++y) {
       for (int x = 0; x < depth.cols; ++x)
-        depth.at<float>(y, x) = static_cast<float>(view.ray_depth_m.at<float>(y, x) * camera.ray(x, y).z());
+        depth.at<float>(y, x) =
+            static_cast<float>(view.ray_depth_m.at<float>(y, x) * camera.ray(x + window.x, y + window.y).z());
     }
     cv::Rect box;
     const int id = detector_->addTemplate({bgr(view.colour), depth_in_mm(depth)}, name, mask, &box);
@@ -106,7 +111,7 @@ class LinemodPeer : public Peer {
     std::vector<Template>& known = templates_[name];
     known.resize(std::max<std::size_t>(known.size(), static_cast<std::size_t>(id) + 1));
     known[static_cast<std::size_t>(id)] = {distance, elevation_deg * M_PI / 180, pose.rz,
-                                           cv::Point2d(pose.x - box.x, pose.y - box.y)};
+                                           cv::Point2d(pose.x - window.x - box.x, pose.y - window.y - box.y)};
   }
 
   /// Matches that the table allows, best first, one per place and turntable angle.
