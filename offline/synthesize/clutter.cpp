@@ -116,17 +116,15 @@ ClutterThing random_clutter(const ClutterStock& stock, Random& random) {
   return thing;
 }
 
-ClutterThing random_occluder(const ClutterStock& stock, const Footprint& target, Random& random) {
+ClutterThing random_occluder(const ClutterStock& stock, double radius_m, double height_m, Random& random) {
   ClutterThing thing;
-  const double height = target.size_m.z() * random.uniform(0.5, 1.4) + 0.02;
-  const double width = std::max(0.02, target.horizontal_radius_m * random.uniform(0.3, 1.0));
+  thing.radius_m = radius_m;
   if (random.chance(0.5)) {
-    thing.radius_m = width;
-    thing.mesh = dressed(cylinder_shape(width, height), stock, random);
+    thing.mesh = dressed(cylinder_shape(radius_m, height_m), stock, random);
   } else {
-    const double depth = random.uniform(0.03, 0.08);
-    thing.radius_m = std::hypot(width, depth / 2);
-    thing.mesh = dressed(box_shape(2 * width, depth, height), stock, random);
+    const double half_depth = radius_m * random.uniform(0.3, 0.7);
+    const double half_width = std::sqrt(radius_m * radius_m - half_depth * half_depth);
+    thing.mesh = dressed(box_shape(2 * half_width, 2 * half_depth, height_m), stock, random);
   }
   return thing;
 }

@@ -60,8 +60,8 @@ struct ClutterStock {
 
 /// A random thing of about a hand's size.
 ClutterThing random_clutter(const ClutterStock& stock, Random& random);
-/// A thing that is tall and slim enough to hide a part of a target of this size.
-ClutterThing random_occluder(const ClutterStock& stock, const Footprint& target, Random& random);
+/// An upright thing of about this radius and height (metres), to hide a part of something else.
+ClutterThing random_occluder(const ClutterStock& stock, double radius_m, double height_m, Random& random);
 
 RigidTransform standing_at(const Eigen::Vector2d& place, double z, double yaw_rad);
 

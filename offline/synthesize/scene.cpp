@@ -161,19 +161,36 @@ TableScene compose_scene(const SceneOptions& options, const std::vector<Footprin
                    "widen the ranges of pitch, height and distance, or put fewer objects into one image");
 }
 
-bool add_occluder(TableScene& scene, std::size_t target, const Footprint& footprint,
+bool add_occluder(TableScene& scene, std::size_t target, const Footprint& footprint, double hidden,
                   const ClutterStock& stock, Random& random) {
-  ClutterThing thing = random_occluder(stock, footprint, random);
-  const Eigen::Vector2d place = scene.world_from_target[target].translation().head<2>();
+  const RigidTransform& object = scene.world_from_target[target];
+  const Eigen::Vector2d place = object.translation().head<2>();
   const Eigen::Vector2d to_camera = -place.normalized();
   const Eigen::Vector2d aside(-to_camera.y(), to_camera.x());
-  for (int attempt = 0; attempt < 20; ++attempt) {
-    const double sum = footprint.horizontal_radius_m + thing.radius_m;
-    const double forward = sum + kClutterGapM + random.uniform(0.002, 0.12);
-    const double sideways = random.uniform(-0.9, 0.9) * sum;
-    const Disc disc{place + forward * to_camera + sideways * aside, thing.radius_m};
-    if (disc.centre.norm() < 0.2 || !scene.top.holds(disc) || !free_of(disc, scene.taken)) continue;
-    put(scene, std::move(thing), disc, full_turn(random));
+  // Half of the width that the camera sees of the object's box.
+  double half_width = 0;
+  for (int axis = 0; axis < 2; ++axis)
+    half_width += 0.5 * footprint.size_m[axis] * std::abs(object.linear().col(axis).head<2>().dot(aside));
+  const double camera_height = scene.table.camera_height_m;
+  const double slope = (camera_height - footprint.centre_height_m) / place.norm();
+  for (int attempt = 0; attempt < 30; ++attempt) {
+    const bool column = random.chance(0.65);
+    const double radius =
+        std::max(0.018, half_width * (column ? random.uniform(0.4, 1.0) : random.uniform(0.9, 1.3)));
+    const double forward =
+        footprint.horizontal_radius_m + radius + kClutterGapM + random.uniform(0.001, 0.06);
+    // A line of sight to height z of the object passes the thing at z + forward * slope.
+    const double covered = column ? random.uniform(0.9, 1.4) : hidden * random.uniform(0.8, 1.3);
+    const double height = forward * slope + covered * footprint.size_m.z();
+    const double overlap = column ? 2 * half_width * hidden * random.uniform(0.8, 1.3) : half_width + radius;
+    const double side = random.chance(0.5) ? 1 : -1;
+    const double sideways = side * std::max(0.0, half_width + radius - overlap);
+    const Disc disc{place + forward * to_camera + sideways * aside, radius};
+    if (height > 0.8 * camera_height || disc.centre.norm() < 0.2 || !scene.top.holds(disc) ||
+        !free_of(disc, scene.taken)) {
+      continue;
+    }
+    put(scene, random_occluder(stock, radius, height, random), disc, full_turn(random));
     return true;
   }
   return false;

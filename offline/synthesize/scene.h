@@ -62,8 +62,9 @@ RigidTransform camera_from_world(double pitch_rad, double roll_rad, double heigh
 TableScene compose_scene(const SceneOptions& options, const std::vector<Footprint>& targets,
                          const ClutterStock& stock, Random& random);
 
-/// Puts a thing between the camera and a target, somewhat aside. False where there is no room for it.
-bool add_occluder(TableScene& scene, std::size_t target, const Footprint& footprint,
+/// Puts a thing between the camera and a target so that it hides about the share `hidden` of it: a column
+/// that covers one side, or a low wall that covers the lower part. False where there is no room for it.
+bool add_occluder(TableScene& scene, std::size_t target, const Footprint& footprint, double hidden,
                   const ClutterStock& stock, Random& random);
 /// Takes a thing of the clutter away (index into surroundings, not below first_clutter).
 void remove_clutter(TableScene& scene, std::size_t index);

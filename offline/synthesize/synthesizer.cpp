@@ -127,10 +127,19 @@ struct Synthesizer::Impl {
     return !scene.cut[i] || v.inside >= options.scene.cut_visible * v.all;
   }
 
+  /// Takes something of the clutter away, whatever it is; false where there is none.
+  bool make_room(TableScene& scene, Random& random) {
+    const std::size_t count = scene.surroundings.size() - scene.first_clutter;
+    if (count == 0) return false;
+    const int which = random.integer(0, static_cast<int>(count) - 1);
+    remove(scene, scene.first_clutter + static_cast<std::size_t>(which));
+    return true;
+  }
+
   /// Takes clutter away and puts occluders in until every target is hidden as much as is wanted.
   bool arrange(TableScene& scene, const std::vector<std::size_t>& chosen, const ClutterStock& stock,
                Random& random) {
-    constexpr int kRounds = 30;
+    constexpr int kRounds = 40;
     const Range& wanted = options.scene.occlusion;
     const PinholeCamera camera = halved(options.scene.camera);
     const std::vector<double> gloss(chosen.size(), 0);
@@ -153,7 +162,10 @@ struct Synthesizer::Impl {
           remove(scene, hider - chosen.size());
           changed = true;
         } else if (seen[i].occlusion() < wanted.lo + slack && wanted.lo > 0) {
-          if (!add_occluder(scene, i, target_footprints[chosen[i]], stock, random)) return false;
+          const double lacking = random.uniform(wanted.lo + slack, wanted.hi - slack) - seen[i].occlusion();
+          const bool added =
+              add_occluder(scene, i, target_footprints[chosen[i]], std::max(0.05, lacking), stock, random);
+          if (!added && !make_room(scene, random)) return false;
           changed = true;
         }
       }

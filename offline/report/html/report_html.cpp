@@ -225,7 +225,7 @@ Json histogram(const std::vector<double>& values, double low, double high, int s
 
 void add_histogram(Charts& charts, const std::string& name, const std::string& caption,
                    const std::string& note, const std::string& unit, const std::vector<double>& values,
-                   double low, double high, int steps) {
+                   double low, double high, int steps, const std::string& counted = "instances") {
   if (values.empty()) return;
   Json labels = Json::array();
   for (int i = 0; i < steps; ++i) {
@@ -236,7 +236,7 @@ void add_histogram(Charts& charts, const std::string& name, const std::string& c
              {{"type", "bar"},
               {"labels", labels},
               {"x", {{"title", unit}}},
-              {"y", {{"title", "instances"}, {"min", 0}}},
+              {"y", {{"title", counted}, {"min", 0}, {"whole", true}}},
               {"series", {{{"name", caption}, {"values", histogram(values, low, high, steps)}}}}});
 }
 
@@ -317,7 +317,7 @@ std::string format_report_html(const EvaluationReport& report, const std::string
     add_histogram(
         charts, "times", "Time per image",
         fmt::format("median {:.0f} ms, 95 % within {:.0f} ms", quantile(ms, 0.5), quantile(ms, 0.95)), "ms",
-        ms, 0, top, 25);
+        ms, 0, top, 25, "images");
   }
   std::string body =
       fmt::format("<h1>{}</h1>\n<p>{} images, {} instances. Errors are modulo the objects' symmetries.</p>\n",

@@ -21,6 +21,7 @@
     if (!isCategory) scale.type = spec.log ? "logarithmic" : "linear";
     if (spec.min !== undefined) scale.min = spec.min;
     if (spec.max !== undefined) scale.max = spec.max;
+    if (spec.whole) scale.ticks = { precision: 0 };
     return scale;
   }
 

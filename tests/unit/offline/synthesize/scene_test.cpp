@@ -83,7 +83,7 @@ TEST(Scene, OccludersStandBetweenTheCameraAndTheirTarget) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     Random random(seed);
     TableScene scene = compose_scene(options, targets, stock, random);
-    if (!add_occluder(scene, 0, targets[0], stock, random)) continue;
+    if (!add_occluder(scene, 0, targets[0], 0.3, stock, random)) continue;
     ++added;
     ASSERT_EQ(2U, scene.taken.size());
     EXPECT_LT(scene.taken[1].centre.norm(), scene.taken[0].centre.norm());
