@@ -34,7 +34,7 @@ struct Light {
   Eigen::Vector3d position_in_camera{0, 0, 0};  ///< metres
   double ambient = 0.4;                         ///< 0..1: share of the light that comes from everywhere
   double strength = 1;                          ///< of the point light's share; 0: switched off
-  std::vector<FillLight> fills;                 ///< added to it; those beyond the limit are ignored
+  std::vector<FillLight> fills{};               ///< added to it; those beyond the limit are ignored
 };
 
 /// What came out.

@@ -29,7 +29,7 @@ std::optional<TrialScore> stored(const std::filesystem::path& file, const std::s
   const Json json = Json::parse(reinterpret_cast<const char*>(bytes.data()),
                                 reinterpret_cast<const char*>(bytes.data()) + bytes.size(), nullptr, false);
   // A damaged or foreign file is tried again rather than believed.
-  if (!json.is_object() || json.value("key", "") != key) return std::nullopt;
+  if (!json.is_object() || !json.contains("key") || json["key"] != key) return std::nullopt;
   TrialScore score;
   try {
     score.images = json.at("images");
