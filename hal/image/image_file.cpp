@@ -34,8 +34,8 @@ cv::Mat read_depth_image(const std::filesystem::path& file) {
   return image;
 }
 
-void write_png(const std::filesystem::path& file, const cv::Mat& image) {
-  write_file_bytes(file, encode_png(image));
+void write_png(const std::filesystem::path& file, const cv::Mat& image, int level) {
+  write_file_bytes(file, encode_png(image, level));
 }
 
 }  // namespace sextant

@@ -30,9 +30,11 @@ cv::Mat read_colour_image(const std::filesystem::path& file);
 cv::Mat read_depth_image(const std::filesystem::path& file);
 
 /// Bytes of a PNG of a CV_8UC3 (RGB) or CV_16UC1 image with 1..kMaxImageSide pixels a side. The same image
-/// gives the same bytes. compression: zlib's level, 0 (none) to 9; 1 is fast enough for a camera's frames.
-std::vector<std::byte> encode_png(const cv::Mat& image, int compression = 6);
-/// Writes encode_png(image) (renamed into place). Throws InputError(file) where it cannot.
-void write_png(const std::filesystem::path& file, const cv::Mat& image);
+/// and level give the same bytes. level: of zlib, 0..9; 1 and 2 are several times as fast as 6.
+std::vector<std::byte> encode_png(const cv::Mat& image, int level = 6);
+/// Bytes of a JPEG of a CV_8UC3 (RGB) image with 1..kMaxImageSide pixels a side. quality: 1..100.
+std::vector<std::byte> encode_jpeg(const cv::Mat& image, int quality = 85);
+/// Writes encode_png(image, level) (renamed into place). Throws InputError(file) where it cannot.
+void write_png(const std::filesystem::path& file, const cv::Mat& image, int level = 6);
 
 }  // namespace sextant

@@ -4,6 +4,7 @@
 #include <turbojpeg.h>
 
 #include <memory>
+#include <stdexcept>
 
 #include "hal/image/image_file.h"
 #include "runtime/base/error.h"
@@ -53,6 +54,23 @@ cv::Mat decode_jpeg(std::span<const std::byte> bytes, const std::string& where) 
     refuse(where, handle.get());
   }
   return image;
+}
+
+std::vector<std::byte> encode_jpeg(const cv::Mat& image, int quality) {
+  if (image.type() != CV_8UC3 || image.empty() || image.cols > kMaxImageSide || image.rows > kMaxImageSide)
+    throw std::invalid_argument("encode_jpeg wants a CV_8UC3 image");
+  const std::unique_ptr<void, HandleFree> handle(tjInitCompress());
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  if (!handle || tjCompress2(handle.get(), image.data, image.cols, static_cast<int>(image.step), image.rows,
+                             TJPF_RGB, &bytes, &size, TJSAMP_444, quality, 0) != 0) {
+    tjFree(bytes);
+    throw std::runtime_error(std::string("cannot encode a JPEG: ") + tjGetErrorStr2(handle.get()));
+  }
+  const auto* first = reinterpret_cast<const std::byte*>(bytes);
+  std::vector<std::byte> result(first, first + size);
+  tjFree(bytes);
+  return result;
 }
 
 }  // namespace sextant

@@ -66,7 +66,7 @@ cv::Mat decode_png(std::span<const std::byte> bytes, const std::string& where) {
   return image;
 }
 
-std::vector<std::byte> encode_png(const cv::Mat& image, int compression) {
+std::vector<std::byte> encode_png(const cv::Mat& image, int level) {
   const bool colour = image.type() == CV_8UC3;
   if ((!colour && image.type() != CV_16UC1) || image.empty() || image.cols > kMaxImageSide ||
       image.rows > kMaxImageSide) {
@@ -81,9 +81,9 @@ std::vector<std::byte> encode_png(const cv::Mat& image, int compression) {
   header.bit_depth = colour ? 8 : 16;
   header.color_type = colour ? SPNG_COLOR_TYPE_TRUECOLOR : SPNG_COLOR_TYPE_GRAYSCALE;
   int error = spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
-  if (!error) error = spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, compression);
+  if (!error) error = spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, level);
   // Choosing filters by line costs more than fast compression itself; one that suits images does as well.
-  if (!error && compression <= 1) {
+  if (!error && level <= 1) {
     error = spng_set_option(context.get(), SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_SUB);
   }
   if (!error) error = spng_set_ihdr(context.get(), &header);

@@ -8,9 +8,13 @@
 #include <optional>
 
 #include "hal/image/file_bytes.h"
+#include "hal/image/image_file.h"
+#include "offline/cli/progress_bar.h"
 #include "offline/evaluate/point_error.h"
 #include "offline/evaluate/report_text.h"
+#include "offline/evaluate/vsd_evaluation.h"
 #include "offline/mesh/mesh_reader.h"
+#include "offline/report/html/worst_cases.h"
 #include "runtime/base/error.h"
 
 namespace sextant {
@@ -30,6 +34,8 @@ struct Arguments {
   std::vector<std::string> ups;         ///< ID=AXIS
   bool geometric = false;
   bool json = false;
+  bool no_vsd = false;
+  std::size_t pictures = 24;
   std::optional<double> require;
   EvaluationOptions options;
 };
@@ -56,7 +62,24 @@ Eigen::Vector3d parse_axis(const std::string& text) {
   return (minus ? -1.0 : 1.0) * Eigen::Vector3d::Unit(static_cast<int>(axis));
 }
 
-EvaluatedObject load_object(const Arguments& a, int id, const ModelsInfo& infos) {
+/// The mesh of an object of the data set, metres; nothing where there is none.
+std::optional<Mesh> load_mesh(const Arguments& a, int id) {
+  const std::filesystem::path file = a.dataset / "models" / fmt::format("obj_{:06}.ply", id);
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return std::nullopt;
+  return read_mesh(file, kMetresPerMm);
+}
+
+ModelMesh bare_mesh(const Mesh& mesh) {
+  ModelMesh bare;
+  bare.vertices = mesh.vertices;
+  for (const MeshPart& part : mesh.parts)
+    bare.triangles.insert(bare.triangles.end(), part.triangles.begin(), part.triangles.end());
+  return bare;
+}
+
+EvaluatedObject load_object(const Arguments& a, int id, const ModelsInfo& infos,
+                            const std::optional<Mesh>& mesh) {
   ModelInfo info;
   if (const auto it = infos.find(id); it != infos.end()) info = it->second;
   EvaluatedObject object;
@@ -75,15 +98,44 @@ EvaluatedObject load_object(const Arguments& a, int id, const ModelsInfo& infos)
   object.up = info.up.value_or(Eigen::Vector3d::UnitZ());
   object.centre_m = info.centre_m();
   object.diameter_m = info.diameter_m;
-  const std::filesystem::path mesh = a.dataset / "models" / fmt::format("obj_{:06}.ply", id);
-  std::error_code error;
-  if (std::filesystem::exists(mesh, error))
-    object.points = thinned(read_mesh(mesh, kMetresPerMm).vertices, kMeshPoints);
+  if (mesh) object.points = thinned(mesh->vertices, kMeshPoints);
   return object;
 }
 
-EvaluationReport evaluate_files(const Arguments& a) {
-  const BopDataset dataset = open_bop_dataset(a.dataset, a.split, a.scene);
+/// Pixels of a row; 640 where the image is not there (results can be judged without pictures).
+int image_width_of(const BopImage& image) {
+  std::error_code error;
+  if (!std::filesystem::exists(image.colour, error)) return 640;
+  return read_colour_image(image.colour).cols;
+}
+
+/// All that the command works on.
+struct Work {
+  BopDataset dataset;
+  std::map<int, Mesh> meshes;
+  EvaluationReport report;
+};
+
+/// VSD where it can be measured; a line on stderr where not.
+void measure_vsd(Work& work, const BopDataset& dataset, const std::map<int, EvaluatedObject>& objects) {
+  std::error_code error;
+  for (const BopImage& image : dataset.images) {
+    if (std::filesystem::exists(image.depth, error)) continue;
+    fmt::print(stderr, "sextant: {} is missing: VSD and BOP's average recall are left out\n",
+               image.depth.string());
+    return;
+  }
+  try {
+    ProgressBar progress("VSD");
+    add_vsd(work.report, dataset.images, objects, work.meshes,
+            [&](std::size_t done, std::size_t total) { progress.show(done, total); });
+  } catch (const DeviceError& e) {
+    fmt::print(stderr, "sextant: {}: VSD and BOP's average recall are left out\n", e.what());
+  }
+}
+
+Work evaluate_files(const Arguments& a) {
+  BopDataset dataset = open_bop_dataset(a.dataset, a.split, a.scene);
   if (!dataset.has_ground_truth) {
     throw InputError((a.dataset / a.split).string(), "has no ground truth", "scene_gt.json is missing");
   }
@@ -98,15 +150,30 @@ EvaluationReport evaluate_files(const Arguments& a) {
   std::error_code error;
   const ModelsInfo infos =
       std::filesystem::exists(info_file, error) ? read_models_info(info_file) : ModelsInfo{};
+  Work work;
   std::map<int, EvaluatedObject> objects;
-  for (const int id : ids) objects[id] = load_object(a, id, infos);
-  return evaluate(dataset.images, results, objects, a.options, a.csv.string());
+  for (const int id : ids) {
+    const std::optional<Mesh> mesh = load_mesh(a, id);
+    objects[id] = load_object(a, id, infos, mesh);
+    if (mesh) work.meshes[id] = *mesh;
+  }
+  EvaluationOptions options = a.options;
+  if (!dataset.images.empty()) options.image_width = image_width_of(dataset.images.front());
+  work.report = evaluate(dataset.images, results, objects, options, a.csv.string());
+  if (!a.no_vsd && !work.meshes.empty()) measure_vsd(work, dataset, objects);
+  work.dataset = std::move(dataset);
+  return work;
 }
 
 int run(const Arguments& a) {
-  const EvaluationReport report = evaluate_files(a);
+  const Work work = evaluate_files(a);
+  const EvaluationReport& report = work.report;
   if (!a.report.empty()) {
-    const std::string html = format_report_html(report, "Accuracy of " + a.csv.filename().string());
+    std::map<int, ModelMesh> meshes;
+    for (const auto& [id, mesh] : work.meshes) meshes[id] = bare_mesh(mesh);
+    const std::string html =
+        format_report_html(report, "Accuracy of " + a.csv.filename().string(),
+                           worst_case_pictures(report, work.dataset.images, meshes, a.pictures));
     write_file_bytes(a.report, std::as_bytes(std::span(html)));
   }
   if (a.json) {
@@ -131,6 +198,11 @@ CLI::App* add_evaluate_command(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("FILE");
   command->add_option("--report", a.report, "HTML page to write")->type_name("FILE.html");
+  command->add_option("--pictures", a.pictures, "Pictures of the worst cases in the report, at most")
+      ->check(CLI::Range(0, 500))
+      ->capture_default_str();
+  command->add_flag("--no-vsd", a.no_vsd,
+                    "Leave VSD (which renders every pose) and BOP's average recall out");
   command->add_option("--split", a.split, "Folder of the data set")->capture_default_str();
   command->add_option("--scene", a.scene, "This scene only")->check(CLI::NonNegativeNumber);
   command->add_option("--objects", a.objects, "Object ids to evaluate, e.g. 1,5 (default: those in the CSV)")
@@ -139,6 +211,14 @@ CLI::App* add_evaluate_command(CLI::App& app, int& exit_code) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--max-rotation-deg", a.options.max_rotation_deg, "and within this")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
+  command
+      ->add_option("--strict-translation-cm", a.options.strict_translation_cm,
+                   "A strictly right pose is within this")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--strict-rotation-deg", a.options.strict_rotation_deg, "and within this")
       ->check(CLI::Range(0.0, 180.0))
       ->capture_default_str();
   command->add_option("--min-visible", a.options.min_visible, "Ignore objects of which less is seen")

@@ -11,6 +11,7 @@
 #include "offline/cli/evaluate_command.h"
 #include "offline/cli/inspect_command.h"
 #include "offline/cli/synthesize_command.h"
+#include "offline/cli/tune_command.h"
 #include "runtime/base/error.h"
 #include "runtime/base/version.h"
 
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
   sextant::add_calibrate_command(app, exit_code);
   sextant::add_evaluate_command(app, exit_code);
   sextant::add_synthesize_command(app, exit_code);
+  sextant::add_tune_command(app, exit_code);
   sextant::add_echo_command(app, exit_code);
   sextant::add_record_command(app, exit_code);
   sextant::add_camera_command(app, exit_code);

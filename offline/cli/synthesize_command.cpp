@@ -2,28 +2,30 @@
 #include "offline/cli/synthesize_command.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
+#include <optional>
 
 #include "offline/cli/mesh_options.h"
-#include "offline/cli/object_id.h"
+#include "offline/cli/object_file.h"
 #include "offline/cli/progress_bar.h"
 #include "offline/synthesize/synthesize.h"
 #include "runtime/base/error.h"
-#include "runtime/model/model_file.h"
 
 namespace sextant {
 namespace {
 
 struct Arguments {
-  std::vector<std::filesystem::path> inputs;
+  std::vector<std::string> inputs;
   std::vector<int> object_ids;
   MeshArguments mesh_arguments;
+  std::vector<std::string> distractors;
   SynthesisOptions options;
+  std::string occlusion = "0:0.5", instances = "1:1";
+  std::optional<double> min_visible;
   std::string pitch = "30:50", roll = "-3:3", height = "0.5:0.85", distance = "0.5:1.3", clutter = "4:9";
   std::string size = "640x480";
   double focal = 525;
@@ -56,14 +58,6 @@ PinholeCamera parse_camera(const Arguments& a) {
   return camera;
 }
 
-bool is_mesh(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  static const std::set<std::string> kMeshes{".ply", ".obj", ".stl", ".gltf", ".glb", ".dae"};
-  return kMeshes.count(extension) > 0;
-}
-
 std::vector<SynthesisTarget> load_targets(const Arguments& a) {
   if (!a.object_ids.empty() && a.object_ids.size() != a.inputs.size()) {
     throw UsageError(fmt::format("{} object ids for {} objects", a.object_ids.size(), a.inputs.size()),
@@ -72,14 +66,9 @@ std::vector<SynthesisTarget> load_targets(const Arguments& a) {
   std::vector<SynthesisTarget> targets;
   for (std::size_t i = 0; i < a.inputs.size(); ++i) {
     SynthesisTarget target;
-    if (is_mesh(a.inputs[i])) {
-      target.object = load_standing_object(a.inputs[i], a.mesh_arguments.options());
-      target.object_id = object_id_in_name(a.inputs[i]).value_or(1);
-    } else {
-      const ObjectModel model = read_model(a.inputs[i]);
-      target.object = standing_object_of(model);
-      target.object_id = model.object_id;
-    }
+    LoadedObject loaded = load_object_file(a.inputs[i], a.mesh_arguments);
+    target.object = std::move(loaded.object);
+    target.object_id = loaded.id.value_or(1);
     if (!a.object_ids.empty()) target.object_id = a.object_ids[i];
     targets.push_back(std::move(target));
   }
@@ -94,13 +83,24 @@ void run(Arguments& a) {
   scene.height_m = parse_range(a.height, "--height-m");
   scene.distance_m = parse_range(a.distance, "--distance-m");
   scene.clutter = parse_range(a.clutter, "--clutter");
+  scene.occlusion = parse_range(a.occlusion, "--occlusion");
+  if (a.min_visible) scene.occlusion = {0, 1 - *a.min_visible};
+  a.options.instances = parse_range(a.instances, "--instances");
   const std::vector<SynthesisTarget> targets = load_targets(a);
+  std::vector<StandingObject> distractors;
+  for (const std::string& text : a.distractors)
+    distractors.push_back(load_object_file(text, a.mesh_arguments).object);
+  // Images come and go by the megabyte: kept in the heap instead of being given back to the system each time.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
   ProgressBar progress("synthesize");
-  const SynthesisSummary summary = synthesize_dataset(
-      targets, a.options, [&](std::size_t done, std::size_t total) { progress.show(done, total); });
+  const SynthesisSummary summary =
+      synthesize_dataset(targets, distractors, a.options,
+                         [&](std::size_t done, std::size_t total) { progress.show(done, total); });
   if (a.json) {
     nlohmann::ordered_json json{{"dataset", a.options.output.string()},
                                 {"images", summary.images},
+                                {"negatives", a.options.negatives},
                                 {"instances", summary.instances},
                                 {"mean_visible_fraction", summary.mean_visible_fraction}};
     for (const SynthesisTarget& target : targets) json["object_ids"].push_back(target.object_id);
@@ -118,14 +118,23 @@ CLI::App* add_synthesize_command(CLI::App& app, int& exit_code) {
   Arguments& a = *arguments;
   CLI::App* command =
       app.add_subcommand("synthesize", "Render table scenes with a real sensor's noise as a BOP data set");
-  command->add_option("inputs", a.inputs, "Meshes (PLY, OBJ, STL, glTF/GLB, DAE) or compiled models")
+  command
+      ->add_option(
+          "inputs", a.inputs,
+          "Meshes (PLY, OBJ, STL, glTF/GLB, DAE) or compiled models; FILE@UNITS[,UP] where one differs from "
+          "--units and --up")
       ->required()
       ->type_name("MODEL_OR_MESH");
   command->add_option("-o,--output", a.options.output, "Folder of the data set")
       ->required()
       ->type_name("DIR");
-  command->add_option("--images", a.options.images, "Number of images; the objects take turns")
-      ->check(CLI::Range(1, 1000000))
+  command->add_option("--images", a.options.images, "Number of images with an object; the objects take turns")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  command
+      ->add_option("--negatives", a.options.negatives,
+                   "Number of images without any of the objects, after them")
+      ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
   command->add_option("--sensor", a.options.sensor, "Whose faults the images have")
       ->check(CLI::IsMember({"kinect1", "xtion", "realsense", "none"}))
@@ -135,6 +144,12 @@ CLI::App* add_synthesize_command(CLI::App& app, int& exit_code) {
   command->add_option("--objects-per-image", a.options.targets_per_image, "Different objects in one image")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_option("--instances", a.instances, "How many of each object in one image, MIN:MAX")
+      ->capture_default_str();
+  command
+      ->add_option("--distractor", a.distractors, "Meshes or models that stand around without being labelled")
+      ->type_name("MODEL_OR_MESH")
+      ->expected(1, 1000);
   command
       ->add_option(
           "--object-id", a.object_ids,
@@ -151,8 +166,33 @@ CLI::App* add_synthesize_command(CLI::App& app, int& exit_code) {
   command->add_option("--clutter", a.clutter, "Number of other things on the table, MIN:MAX")
       ->capture_default_str();
   command
-      ->add_option("--min-visible", a.options.scene.min_visible, "Share of the object that is seen at least")
+      ->add_option(
+          "--occlusion", a.occlusion,
+          "Share of each object that others hide, MIN:MAX of 0..0.95; what stands in front is added or "
+          "taken away until it fits")
+      ->capture_default_str();
+  command->add_option("--min-visible", a.min_visible, "The same as --occlusion 0:(1 - V)")
+      ->check(CLI::Range(0.05, 1.0))
+      ->excludes("--occlusion");
+  command->add_option("--cut", a.options.scene.cut_share, "Share of the objects that the image's border cuts")
       ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--decoys", a.options.scene.decoy_share,
+                   "Share of the clutter that is as large as an object and printed otherwise")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--no-depth", a.options.no_depth_share,
+                   "Share of the objects that give no depth, as shiny ones do")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--misregistration-px", a.options.misregistration_px,
+                   "Rms shift of the depth against the colour, per axis (default: the sensor's)")
+      ->check(CLI::Range(0.0, 50.0));
+  command->add_option("--threads", a.options.threads, "0: all cores; the images do not depend on it")
+      ->check(CLI::Range(0, 256))
       ->capture_default_str();
   command->add_option("--size", a.size, "Pixels of the images, WIDTHxHEIGHT")->capture_default_str();
   command->add_option("--focal", a.focal, "Focal length, pixels")

@@ -18,6 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+constexpr int kPngLevel = 2;  ///< noise hardly shrinks any further
+
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -99,6 +101,11 @@ void BopWriter::add_model(int object_id, const StandingObject& object) {
 
 void BopWriter::add_image(int scene_id, int image_id, const RgbdFrame& frame,
                           const std::vector<BopInstance>& instances) {
+  write_pictures(scene_id, image_id, frame);
+  add_entries(scene_id, image_id, frame, instances);
+}
+
+void BopWriter::write_pictures(int scene_id, int image_id, const RgbdFrame& frame) const {
   const fs::path folder = impl_->scene_folder(scene_id);
   if (frame.camera.has_distortion()) {
     throw InputError(folder.string(), "a BOP data set cannot hold a camera with lens distortion",
@@ -107,9 +114,12 @@ void BopWriter::add_image(int scene_id, int image_id, const RgbdFrame& frame,
   make_folder(folder / "rgb");
   make_folder(folder / "depth");
   const std::string name = fmt::format("{:06}.png", image_id);
-  write_png(folder / "rgb" / name, frame.colour);
-  write_png(folder / "depth" / name, raw_depth(frame.axial_depth_m, impl_->depth_scale_mm));
+  write_png(folder / "rgb" / name, frame.colour, kPngLevel);
+  write_png(folder / "depth" / name, raw_depth(frame.axial_depth_m, impl_->depth_scale_mm), kPngLevel);
+}
 
+void BopWriter::add_entries(int scene_id, int image_id, const RgbdFrame& frame,
+                            const std::vector<BopInstance>& instances) {
   Scene& scene = impl_->scenes[scene_id];
   const CameraModel& c = frame.camera;
   scene.camera[image_id] = {{"cam_K", {c.fx, 0.0, c.cx, 0.0, c.fy, c.cy, 0.0, 0.0, 1.0}},

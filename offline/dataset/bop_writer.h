@@ -41,6 +41,11 @@ class BopWriter {
   /// written as missing. Throws InputError for a camera with distortion: BOP has no place for it.
   void add_image(int scene_id, int image_id, const RgbdFrame& frame,
                  const std::vector<BopInstance>& instances);
+  /// The two halves of add_image: the picture files (safe to call from several threads for different images)
+  /// and the list entries.
+  void write_pictures(int scene_id, int image_id, const RgbdFrame& frame) const;
+  void add_entries(int scene_id, int image_id, const RgbdFrame& frame,
+                   const std::vector<BopInstance>& instances);
   /// Writes the lists. Throws InputError where it cannot.
   void finish();
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <vector>
@@ -68,6 +69,7 @@ void write_ply_mm(const std::filesystem::path& file, const Mesh& mesh, const Rig
                             "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
                             mesh.vertices.size(), mesh.triangle_count()));
   const std::vector<Eigen::Vector3f> colours = baked_colours(mesh);
+  const std::size_t first_byte = bytes.size();
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3f p = (file_from_mesh * mesh.vertices[i].cast<double>() * 1000.0).cast<float>();
     const Eigen::Vector3f n = (file_from_mesh.linear() * mesh.normals[i].cast<double>()).cast<float>();
@@ -76,6 +78,10 @@ void write_ply_mm(const std::filesystem::path& file, const Mesh& mesh, const Rig
       append(bytes, static_cast<unsigned char>(std::lround(255.0F * std::clamp(colours[i][c], 0.0F, 1.0F))));
     }
   }
+  // Some readers (assimp 5.2) skip what looks like white space after the header: no coordinate starts with
+  // it, at the price of its last digit.
+  if (bytes.size() > first_byte && std::isspace(static_cast<int>(bytes[first_byte])) != 0)
+    bytes[first_byte] ^= std::byte{1} << 5;
   for (const MeshPart& part : mesh.parts) {
     for (const auto& triangle : part.triangles) {
       append(bytes, static_cast<unsigned char>(3));

@@ -27,4 +27,19 @@ double average_precision(std::vector<ScoredHit> detections, int positives) {
   return area;
 }
 
+std::vector<PrecisionRecall> precision_recall_curve(std::vector<ScoredHit> detections, int positives) {
+  std::vector<PrecisionRecall> curve;
+  if (positives <= 0) return curve;
+  std::sort(detections.begin(), detections.end(),
+            [](const ScoredHit& a, const ScoredHit& b) { return a.score > b.score; });
+  int hits = 0;
+  for (std::size_t i = 0; i < detections.size(); ++i) {
+    hits += detections[i].hit ? 1 : 0;
+    if (i + 1 < detections.size() && detections[i + 1].score == detections[i].score) continue;
+    curve.push_back({detections[i].score, static_cast<double>(hits) / static_cast<double>(i + 1),
+                     static_cast<double>(hits) / positives});
+  }
+  return curve;
+}
+
 }  // namespace sextant

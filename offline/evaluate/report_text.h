@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An evaluation as people and programs read it: text table, JSON line, self-contained HTML page.
+// An evaluation as people and programs read it: text table and JSON line
+// (the HTML page is in offline/report/html).
 #pragma once
 
 #include <string>
@@ -14,11 +15,11 @@ std::string format_report_text(const EvaluationReport& report);
 /// One JSON object without line end: "images", "seconds", "total" and "objects" (by id) with "instances",
 /// "found", "right", "detections", "share_right", "share_translation", "share_rotation",
 /// "median_translation_cm", "median_rotation_deg", "precision", "recall", "average_precision", "add_recall",
-/// "false_images", "false_detections", and "instances" [{scene_id, im_id, obj_id, found, right, score,
-/// translation_cm, rotation_deg, add_mm, add_s_mm}].
+/// "false_images", "false_detections", "share_strict", "ar_mssd", "ar_mspd", "ar_vsd", "average_recall",
+/// "calibration_error", "sure" (answers above 0.95), "share_sure_right", and "instances" [{scene_id, im_id,
+/// obj_id, found, right, strict, score, translation_cm, rotation_deg, add_mm, add_s_mm, mssd_mm, mspd_px,
+/// turntable_deg, visible}], "confusion"
+/// {"images", "anywhere", "inside"} by object id.
 std::string format_report_json(const EvaluationReport& report);
-
-/// An HTML page that needs no other file: the table, curves of the errors, the worst instances.
-std::string format_report_html(const EvaluationReport& report, const std::string& title);
 
 }  // namespace sextant

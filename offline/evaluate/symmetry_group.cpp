@@ -53,4 +53,22 @@ double rotation_error_rad(const Eigen::Matrix3d& estimate, const Eigen::Matrix3d
   return best;
 }
 
+std::optional<double> turntable_error_rad(const Eigen::Matrix3d& estimate, const Eigen::Matrix3d& truth,
+                                          const SymmetryGroup& group, const Eigen::Vector3d& up) {
+  const Eigen::Vector3d axis = up.normalized();
+  for (const Eigen::Vector3d& symmetry : group.axes) {
+    if (std::abs(symmetry.normalized().dot(axis)) > 0.999) return std::nullopt;
+  }
+  double best = std::numbers::pi;
+  for (const Eigen::Matrix3d& symmetry : group.rotations) {
+    const Eigen::Quaterniond moved(Eigen::Matrix3d((truth * symmetry).transpose() * estimate));
+    // Swing-twist decomposition: the twist about the axis.
+    double twist = 2 * std::atan2(moved.vec().dot(axis), moved.w());
+    if (twist > std::numbers::pi) twist -= 2 * std::numbers::pi;
+    if (twist < -std::numbers::pi) twist += 2 * std::numbers::pi;
+    if (std::abs(twist) < std::abs(best)) best = twist;
+  }
+  return best;
+}
+
 }  // namespace sextant

@@ -2,6 +2,7 @@
 // The rotations under which an object looks the same, and the rotation error that does not count them.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "offline/dataset/models_info.h"
@@ -25,5 +26,11 @@ SymmetryGroup symmetry_group_of(const ModelInfo& info, bool geometric);
 /// free.
 double rotation_error_rad(const Eigen::Matrix3d& estimate, const Eigen::Matrix3d& truth,
                           const SymmetryGroup& group);
+
+/// The part of the rotation error that a turntable under the object would make: signed angle (radians,
+/// -pi..pi) about `up` (mesh frame), the one of least size over the group's finite rotations. Nothing where
+/// every turn about `up` is a symmetry.
+std::optional<double> turntable_error_rad(const Eigen::Matrix3d& estimate, const Eigen::Matrix3d& truth,
+                                          const SymmetryGroup& group, const Eigen::Vector3d& up);
 
 }  // namespace sextant

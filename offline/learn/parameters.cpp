@@ -95,6 +95,19 @@ std::string LearnParameters::to_yaml() const {
   return out + fmt::format("seed: {}}}", seed);
 }
 
+void set_learn_parameter(LearnParameters& parameters, const std::string& name, double value) {
+  for (const Field& f : fields()) {
+    if (name != f.name) continue;
+    if (!(value >= f.low && value <= f.high) || (f.whole && value != std::floor(value))) {
+      throw UsageError(fmt::format("{} = {}: must be {} {}..{}", name, value,
+                                   f.whole ? "a whole number" : "a number", f.low, f.high));
+    }
+    f.set(parameters, value);
+    return;
+  }
+  throw UsageError("unknown parameter \"" + name + "\"", "see docs/convert-your-object.md");
+}
+
 LearnParameters read_learn_parameters(const std::filesystem::path& file) {
   LearnParameters p;
   try {

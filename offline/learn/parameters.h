@@ -43,6 +43,10 @@ struct LearnParameters {
   std::string to_yaml() const;
 };
 
+/// Sets the field of this name (as in the YAML file). Throws UsageError for an unknown name, a value outside
+/// its range, or a fraction where a whole number is wanted.
+void set_learn_parameter(LearnParameters& parameters, const std::string& name, double value);
+
 /// Reads a YAML file of any of the fields above (camera: width, height, focal, cx, cy). Unknown keys are
 /// errors. Throws InputError.
 LearnParameters read_learn_parameters(const std::filesystem::path& file);

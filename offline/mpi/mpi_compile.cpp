@@ -10,25 +10,12 @@
 #include "offline/learn/bin_codec.h"
 #include "offline/learn/bin_layout.h"
 #include "offline/learn/compile.h"
+#include "offline/mpi/mpi_job.h"
 #include "runtime/base/error.h"
 #include "runtime/model/model_file.h"
 
 namespace sextant {
 namespace {
-
-/// MPI for as long as it lives.
-struct MpiJob {
-  int rank = 0;
-  int ranks = 1;
-  MpiJob() {
-    MPI_Init(nullptr, nullptr);
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  }
-  ~MpiJob() { MPI_Finalize(); }
-  MpiJob(const MpiJob&) = delete;
-  MpiJob& operator=(const MpiJob&) = delete;
-};
 
 void send_bin(std::size_t index, const ViewpointBin& bin) {
   const std::vector<std::byte> bytes = encode_bin(bin);

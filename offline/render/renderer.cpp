@@ -3,6 +3,8 @@
 
 #include <epoxy/gl.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <string>
@@ -190,6 +192,39 @@ struct Renderer::Impl {
     meshes.erase(found);
   }
 
+  /// Targets of the window's size and the state that both passes share.
+  void prepare(const cv::Rect& window) {
+    egl.make_current();
+    if (window.width > targets.width || window.height > targets.height) {
+      targets.create(std::max(window.width, targets.width), std::max(window.height, targets.height));
+    }
+    glViewport(0, 0, window.width, window.height);
+    glScissor(0, 0, window.width, window.height);
+    glEnable(GL_SCISSOR_TEST);
+    glEnable(GL_DEPTH_TEST);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  }
+
+  void set_light(const Light& light) const {
+    glUseProgram(colour_program);
+    set_vector(colour_program, "light_in_camera", light.position_in_camera.cast<float>());
+    glUniform1f(glGetUniformLocation(colour_program, "ambient"), static_cast<float>(light.ambient));
+    glUniform1f(glGetUniformLocation(colour_program, "strength"), static_cast<float>(light.strength));
+    const std::size_t fills = std::min(light.fills.size(), kMaxFillLights);
+    std::array<Eigen::Vector3f, kMaxFillLights> positions;
+    std::array<float, kMaxFillLights> strengths{};
+    for (std::size_t i = 0; i < kMaxFillLights; ++i) {
+      positions[i] = Eigen::Vector3f::Zero();
+      if (i >= fills) continue;
+      positions[i] = light.fills[i].position_in_camera.cast<float>();
+      strengths[i] = static_cast<float>(light.fills[i].strength);
+    }
+    constexpr auto kCount = static_cast<GLsizei>(kMaxFillLights);
+    glUniform1i(glGetUniformLocation(colour_program, "fill_count"), static_cast<GLint>(fills));
+    glUniform3fv(glGetUniformLocation(colour_program, "fill_in_camera"), kCount, positions[0].data());
+    glUniform1fv(glGetUniformLocation(colour_program, "fill_strength"), kCount, strengths.data());
+  }
+
   void draw(GLuint program, const Eigen::Matrix4d& clip, const std::vector<RenderItem>& items,
             bool coloured) {
     glUseProgram(program);
@@ -197,7 +232,11 @@ struct Renderer::Impl {
     for (std::size_t i = 0; i < items.size(); ++i) {
       const MeshOnGpu& mesh = meshes.at(items[i].mesh);
       set_matrix(program, "camera_from_mesh", items[i].camera_from_mesh.matrix());
-      if (!coloured) glUniform1i(glGetUniformLocation(program, "item"), static_cast<GLint>(i));
+      if (coloured) {
+        glUniform1f(glGetUniformLocation(program, "gloss"), static_cast<float>(items[i].gloss));
+      } else {
+        glUniform1i(glGetUniformLocation(program, "item"), static_cast<GLint>(i));
+      }
       glBindVertexArray(mesh.array);
       for (const PartOnGpu& part : mesh.parts) {
         if (coloured) {
@@ -249,31 +288,20 @@ void Renderer::release(int mesh) {
   impl_->forget(mesh);
 }
 
-RenderedView Renderer::render(const PinholeCamera& camera, const cv::Rect& window,
-                              const std::vector<RenderItem>& items, const Light& light,
-                              const Eigen::Vector3d& background) {
+RenderedView Renderer::render_geometry(const PinholeCamera& camera, const cv::Rect& window,
+                                       const std::vector<RenderItem>& items) {
   Impl& gl = *impl_;
-  gl.egl.make_current();
-  if (window.width > gl.targets.width || window.height > gl.targets.height) {
-    gl.targets.create(std::max(window.width, gl.targets.width), std::max(window.height, gl.targets.height));
-  }
-  const Eigen::Matrix4d clip = clip_from_camera(camera, window);
-  glViewport(0, 0, window.width, window.height);
-  glScissor(0, 0, window.width, window.height);
-  glEnable(GL_SCISSOR_TEST);
-  glEnable(GL_DEPTH_TEST);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  const GLfloat far_depth = 1;
-
+  gl.prepare(window);
   glBindFramebuffer(GL_FRAMEBUFFER, gl.targets.geometry);
   const GLenum outputs[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   glDrawBuffers(2, outputs);
   const GLfloat no_depth[] = {0, 0, 0, 0};
   const GLint no_item[] = {-1, -1, -1, -1};
+  const GLfloat far_depth = 1;
   glClearBufferfv(GL_COLOR, 0, no_depth);
   glClearBufferiv(GL_COLOR, 1, no_item);
   glClearBufferfv(GL_DEPTH, 0, &far_depth);
-  gl.draw(gl.geometry_program, clip, items, false);
+  gl.draw(gl.geometry_program, clip_from_camera(camera, window), items, false);
   RenderedView view;
   view.ray_depth_m.create(window.height, window.width, CV_32FC1);
   view.item.create(window.height, window.width, CV_16SC1);
@@ -281,16 +309,30 @@ RenderedView Renderer::render(const PinholeCamera& camera, const cv::Rect& windo
   glReadPixels(0, 0, window.width, window.height, GL_RED, GL_FLOAT, view.ray_depth_m.data);
   glReadBuffer(GL_COLOR_ATTACHMENT1);
   glReadPixels(0, 0, window.width, window.height, GL_RED_INTEGER, GL_SHORT, view.item.data);
+  return view;
+}
 
+RenderedView Renderer::render(const PinholeCamera& camera, const cv::Rect& window,
+                              const std::vector<RenderItem>& items, const Light& light,
+                              const Eigen::Vector3d& background) {
+  RenderedView view = render_geometry(camera, window, items);
+  view.colour = render_colour(camera, window, items, light, background);
+  return view;
+}
+
+cv::Mat Renderer::render_colour(const PinholeCamera& camera, const cv::Rect& window,
+                                const std::vector<RenderItem>& items, const Light& light,
+                                const Eigen::Vector3d& background) {
+  Impl& gl = *impl_;
+  gl.prepare(window);
   glBindFramebuffer(GL_FRAMEBUFFER, gl.targets.multisample);
+  const GLfloat far_depth = 1;
   const GLfloat clear[] = {static_cast<float>(background.x() / 255), static_cast<float>(background.y() / 255),
                            static_cast<float>(background.z() / 255), 1};
   glClearBufferfv(GL_COLOR, 0, clear);
   glClearBufferfv(GL_DEPTH, 0, &far_depth);
-  glUseProgram(gl.colour_program);
-  set_vector(gl.colour_program, "light_in_camera", light.position_in_camera.cast<float>());
-  glUniform1f(glGetUniformLocation(gl.colour_program, "ambient"), static_cast<float>(light.ambient));
-  gl.draw(gl.colour_program, clip, items, true);
+  gl.set_light(light);
+  gl.draw(gl.colour_program, clip_from_camera(camera, window), items, true);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, gl.targets.multisample);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, gl.targets.resolve);
   glBlitFramebuffer(0, 0, window.width, window.height, 0, 0, window.width, window.height, GL_COLOR_BUFFER_BIT,
@@ -299,10 +341,10 @@ RenderedView Renderer::render(const PinholeCamera& camera, const cv::Rect& windo
   // Drivers copy RGBA as it is; RGB would be converted pixel by pixel.
   cv::Mat rgba(window.height, window.width, CV_8UC4);
   glReadPixels(0, 0, window.width, window.height, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
-  view.colour.create(window.height, window.width, CV_8UC3);
+  cv::Mat colour(window.height, window.width, CV_8UC3);
   const int channels[] = {0, 0, 1, 1, 2, 2};
-  cv::mixChannels(&rgba, 1, &view.colour, 1, channels, 3);
-  return view;
+  cv::mixChannels(&rgba, 1, &colour, 1, channels, 3);
+  return colour;
 }
 
 }  // namespace sextant

@@ -18,12 +18,23 @@ namespace sextant {
 struct RenderItem {
   int mesh = 0;  ///< handle from Renderer::upload
   RigidTransform camera_from_mesh = RigidTransform::Identity();
+  double gloss = 0;  ///< 0..1: strength of the highlight that a light makes on it
 };
 
-/// Lambert light from one point plus ambient.
+/// A weaker light beside the main one.
+struct FillLight {
+  Eigen::Vector3d position_in_camera{0, 0, 0};  ///< metres
+  double strength = 0;                          ///< of a surface that faces it, 0..1
+};
+
+inline constexpr std::size_t kMaxFillLights = 3;
+
+/// Lambert light from one point plus ambient, and up to kMaxFillLights others.
 struct Light {
   Eigen::Vector3d position_in_camera{0, 0, 0};  ///< metres
   double ambient = 0.4;                         ///< 0..1: share of the light that comes from everywhere
+  double strength = 1;                          ///< of the point light's share; 0: switched off
+  std::vector<FillLight> fills{};               ///< added to it; those beyond the limit are ignored
 };
 
 /// What came out.
@@ -50,6 +61,13 @@ class Renderer {
   RenderedView render(const PinholeCamera& camera, const cv::Rect& window,
                       const std::vector<RenderItem>& items, const Light& light,
                       const Eigen::Vector3d& background);
+  /// The colour pass of render() alone.
+  cv::Mat render_colour(const PinholeCamera& camera, const cv::Rect& window,
+                        const std::vector<RenderItem>& items, const Light& light,
+                        const Eigen::Vector3d& background);
+  /// Depth and items alone (colour stays empty): a fraction of the time.
+  RenderedView render_geometry(const PinholeCamera& camera, const cv::Rect& window,
+                               const std::vector<RenderItem>& items);
 
  private:
   struct Impl;

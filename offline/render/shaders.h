@@ -48,14 +48,32 @@ uniform bool textured;
 uniform sampler2D image;
 uniform vec3 light_in_camera;
 uniform float ambient;
+uniform float strength;
+uniform float gloss;
+uniform int fill_count;
+uniform vec3 fill_in_camera[3];
+uniform float fill_strength[3];
 layout(location = 0) out vec4 colour;
 void main() {
   vec3 n = normalize(n_in_camera);
   if (dot(n, p_in_camera) > 0.0) n = -n;
-  float lambert = max(0.0, dot(n, normalize(light_in_camera - p_in_camera)));
+  vec3 to_light = normalize(light_in_camera - p_in_camera);
+  float lambert = max(0.0, dot(n, to_light));
   vec3 albedo = vertex_colour * diffuse;
   if (textured) albedo *= texture(image, vec2(vertex_uv.x, 1.0 - vertex_uv.y)).rgb;
-  colour = vec4(albedo * (ambient + (1.0 - ambient) * lambert), 1.0);
+  float light = ambient + (1.0 - ambient) * strength * lambert;
+  float shine = 0.0;
+  if (gloss > 0.0) {
+    vec3 to_eye = normalize(-p_in_camera);
+    shine = strength * pow(max(0.0, dot(n, normalize(to_light + to_eye))), 50.0);
+    for (int i = 0; i < fill_count; ++i) {
+      vec3 to_fill = normalize(fill_in_camera[i] - p_in_camera);
+      shine += fill_strength[i] * pow(max(0.0, dot(n, normalize(to_fill + to_eye))), 50.0);
+    }
+  }
+  for (int i = 0; i < fill_count; ++i)
+    light += fill_strength[i] * max(0.0, dot(n, normalize(fill_in_camera[i] - p_in_camera)));
+  colour = vec4(albedo * light + gloss * shine, 1.0);
 }
 )";
 

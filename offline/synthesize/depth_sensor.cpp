@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <opencv2/imgproc.hpp>
 
 #include "offline/synthesize/noise_field.h"
@@ -25,11 +26,15 @@ enum Stream : std::uint64_t {
   kWhite,
   kWarp,
   kLoss,
-  kHoles
+  kHoles,
+  kObjectHoles,
+  kObjectShare
 };
 
-/// Every pixel takes the depth of a place a little beside it (nearest neighbour: no depths are invented).
-cv::Mat displaced(const cv::Mat& depth, const DepthSensor& sensor, double scale, std::uint64_t seed) {
+/// Every pixel takes the depth of a place a little beside it (nearest neighbour: no depths are invented);
+/// `lost`, a mask of the same size or empty, goes with it.
+cv::Mat displaced(const cv::Mat& depth, cv::Mat& lost, const DepthSensor& sensor, double scale,
+                  std::uint64_t seed) {
   Random shift(derived_seed(seed, kShift));
   const double dx = sensor.misregistration_px * scale * shift.normal();
   const double dy = sensor.misregistration_px * scale * shift.normal();
@@ -46,6 +51,11 @@ cv::Mat displaced(const cv::Mat& depth, const DepthSensor& sensor, double scale,
   }
   cv::Mat result;
   cv::remap(depth, result, map_x, map_y, cv::INTER_NEAREST, cv::BORDER_REPLICATE);
+  if (!lost.empty()) {
+    cv::Mat moved;
+    cv::remap(lost, moved, map_x, map_y, cv::INTER_NEAREST, cv::BORDER_REPLICATE);
+    lost = moved;
+  }
   return result;
 }
 
@@ -111,6 +121,33 @@ void lose_blobs(cv::Mat& missing, double share, std::uint64_t seed) {
   missing.setTo(255, field > normal_quantile_above(share));
 }
 
+/// Mask of what dark, shiny or steep objects lose; empty without objects.
+cv::Mat object_holes(const DepthSurfaces& surfaces, const DepthSensor& sensor, double scale,
+                     std::uint64_t seed) {
+  if (surfaces.object.empty() || (sensor.object_hole_hi <= 0 && surfaces.no_depth.empty())) return {};
+  Random random(derived_seed(seed, kObjectHoles));
+  const cv::Mat field = smooth_noise(surfaces.object.size(), 3.0 * scale, random);
+  std::map<int, double> threshold;
+  const auto threshold_of = [&](int object) {
+    const auto [it, fresh] = threshold.try_emplace(object, 0);
+    if (!fresh) return it->second;
+    Random own(derived_seed(seed, kObjectShare * 100000 + static_cast<std::uint64_t>(object)));
+    double share = own.uniform(sensor.object_hole_lo, sensor.object_hole_hi);
+    if (std::count(surfaces.no_depth.begin(), surfaces.no_depth.end(), object) > 0)
+      share = own.uniform(0.9, 1);
+    it->second = share > 0 ? normal_quantile_above(share) : 100;
+    return it->second;
+  };
+  cv::Mat lost(surfaces.object.size(), CV_8UC1, cv::Scalar(0));
+  for (int y = 0; y < lost.rows; ++y) {
+    for (int x = 0; x < lost.cols; ++x) {
+      const int object = surfaces.object.at<std::int16_t>(y, x);
+      if (object >= 0 && field.at<float>(y, x) > threshold_of(object)) lost.at<unsigned char>(y, x) = 255;
+    }
+  }
+  return lost;
+}
+
 /// Noise in units of the fast rms with the sensor's mix of correlation lengths.
 cv::Mat fast_field(const cv::Size& size, const DepthSensor& sensor, double scale, std::uint64_t seed) {
   Random fine(derived_seed(seed, kFine));
@@ -143,10 +180,12 @@ double DepthTable::at(double depth_m) const {
 }
 
 cv::Mat apply_depth_sensor(const cv::Mat& axial_depth_m, double focal_px, const DepthSensor& sensor,
-                           std::uint64_t seed) {
+                           std::uint64_t seed, const DepthSurfaces& surfaces) {
   const double scale = focal_px / sensor.focal_px;
-  const cv::Mat depth = displaced(axial_depth_m, sensor, scale, seed);
+  cv::Mat lost = object_holes(surfaces, sensor, scale, seed);
+  const cv::Mat depth = displaced(axial_depth_m, lost, sensor, scale, seed);
   cv::Mat missing(depth.size(), CV_8UC1, cv::Scalar(0));
+  if (!lost.empty()) missing.setTo(255, lost);
   Random shadow(derived_seed(seed, kShadow));
   cast_shadow(missing, depth, sensor.shadow_left_m * focal_px, true, shadow);
   cast_shadow(missing, depth, sensor.shadow_right_m * focal_px, false, shadow);

@@ -43,6 +43,8 @@ struct DepthSensor {
   double edge_jitter_px = 0;      ///< rms displacement of depth edges
   double edge_loss_px = 0;        ///< about so many pixels around depth edges go missing
   double hole_share = 0;          ///< of all pixels, lost in blobs of a few pixels
+  double object_hole_lo = 0;      ///< each object loses a share of its pixels in blobs, drawn from
+  double object_hole_hi = 0;      ///< lo..hi (dark, shiny or steep surfaces)
   double nearest_m = 0;           ///< nothing nearer is seen
   double farthest_m = 100;        ///< nothing farther is seen
   double misregistration_px = 0;  ///< rms shift of the depth against the colour image, per axis
@@ -51,9 +53,15 @@ struct DepthSensor {
 /// "kinect1", "xtion", "realsense" or "none" (every number 0: the input comes back). Throws UsageError.
 DepthSensor depth_sensor(const std::string& name);
 
+/// Which object is seen at each pixel, and those that give no depth.
+struct DepthSurfaces {
+  cv::Mat object;             ///< CV_16SC1, number of the object, -1: table, floor, walls; empty: no objects
+  std::vector<int> no_depth;  ///< objects that reflect the pattern away: nearly all of their depth is missing
+};
+
 /// axial_depth_m: CV_32FC1 of a camera with focal length focal_px, 0 = missing. Returns the same kind of
 /// image as the sensor would give it. Pure: the same seed gives the same image.
 cv::Mat apply_depth_sensor(const cv::Mat& axial_depth_m, double focal_px, const DepthSensor& sensor,
-                           std::uint64_t seed);
+                           std::uint64_t seed, const DepthSurfaces& surfaces = {});
 
 }  // namespace sextant

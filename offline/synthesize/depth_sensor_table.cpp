@@ -30,6 +30,8 @@ DepthSensor kinect1() {
   s.edge_jitter_px = 0.8;
   s.edge_loss_px = 0.8;
   s.hole_share = 0.0005;
+  s.object_hole_lo = 0;
+  s.object_hole_hi = 0.04;
   s.nearest_m = 0.45;
   s.farthest_m = 4.0;
   s.misregistration_px = 0.7;
@@ -56,6 +58,8 @@ DepthSensor xtion() {
   s.edge_jitter_px = 1.5;
   s.edge_loss_px = 4;
   s.hole_share = 0.01;
+  s.object_hole_lo = 0.05;
+  s.object_hole_hi = 0.23;
   s.nearest_m = 0.4;
   s.farthest_m = 4.0;
   s.misregistration_px = 2.0;
@@ -82,6 +86,8 @@ DepthSensor realsense() {
   s.edge_jitter_px = 1.0;
   s.edge_loss_px = 0.5;
   s.hole_share = 0.003;
+  s.object_hole_lo = 0.02;
+  s.object_hole_hi = 0.04;
   s.nearest_m = 0.2;
   s.farthest_m = 6.0;
   s.misregistration_px = 0.7;

@@ -47,9 +47,9 @@ RenderedView render_with_shadows(Renderer& renderer, const PinholeCamera& camera
                                  double radius_m, int softness_px) {
   const cv::Rect window(0, 0, camera.width, camera.height);
   RenderedView view = renderer.render(camera, window, items, light, background);
-  Light everywhere = light;
-  everywhere.ambient = 1;
-  const cv::Mat albedo = renderer.render(camera, window, items, everywhere, background).colour;
+  Light without = light;
+  without.strength = 0;
+  const cv::Mat unlit = renderer.render_colour(camera, window, items, without, background);
 
   const RigidTransform from_camera = light_from_camera(light.position_in_camera, focus_in_camera);
   const double distance = (focus_in_camera - light.position_in_camera).norm();
@@ -57,8 +57,7 @@ RenderedView render_with_shadows(Renderer& renderer, const PinholeCamera& camera
   eye.focal = kMapSize / 2.0 * distance / radius_m;
   std::vector<RenderItem> seen_from_light = items;
   for (RenderItem& item : seen_from_light) item.camera_from_mesh = from_camera * item.camera_from_mesh;
-  const cv::Mat map =
-      renderer.render(eye, {0, 0, kMapSize, kMapSize}, seen_from_light, light, background).ray_depth_m;
+  const cv::Mat map = renderer.render_geometry(eye, {0, 0, kMapSize, kMapSize}, seen_from_light).ray_depth_m;
 
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -71,10 +70,10 @@ RenderedView render_with_shadows(Renderer& renderer, const PinholeCamera& camera
       const double share = shaded_share(map, static_cast<int>(std::lround(pixel.x())),
                                         static_cast<int>(std::lround(pixel.y())), p.norm(), softness_px);
       cv::Vec3b& colour = view.colour.at<cv::Vec3b>(y, x);
-      for (int c = 0; c < 3; ++c) {
-        const double dark = std::min<double>(colour[c], albedo.at<cv::Vec3b>(y, x)[c] * light.ambient);
-        colour[c] = cv::saturate_cast<unsigned char>((1 - share) * colour[c] + share * dark);
-      }
+      if (share <= 0) continue;
+      const cv::Vec3b& dark = unlit.at<cv::Vec3b>(y, x);
+      for (int c = 0; c < 3; ++c)
+        colour[c] = cv::saturate_cast<unsigned char>((1 - share) * colour[c] + share * dark[c]);
     }
   }
   return view;

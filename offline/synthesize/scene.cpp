@@ -6,56 +6,42 @@
 #include <numbers>
 #include <optional>
 
-#include "offline/synthesize/shapes.h"
-#include "offline/synthesize/textures.h"
+#include "offline/synthesize/room.h"
 #include "runtime/base/error.h"
 
 namespace sextant {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kGapM = 0.008;  ///< air between neighbours
-constexpr double kTableThicknessM = 0.04;
-constexpr double kTableHeightM = 0.73;  ///< above the floor
-const cv::Size kLargeTexture(768, 768);
-const cv::Size kSmallTexture(256, 256);
 
-/// A disc on the table.
-struct Disc {
-  Eigen::Vector2d centre{0, 0};
-  double radius = 0;
-};
+double full_turn(Random& random) { return random.uniform(-std::numbers::pi, std::numbers::pi); }
 
-bool free_of(const Disc& disc, const std::vector<Disc>& others) {
-  return std::none_of(others.begin(), others.end(), [&](const Disc& o) {
-    return (disc.centre - o.centre).norm() < disc.radius + o.radius + kGapM;
-  });
-}
-
-/// The table's top: a rectangle, turned about the vertical.
-struct TableTop {
-  Eigen::Vector2d centre{0, 0};
-  Eigen::Vector2d size{1, 1};
-  double yaw_rad = 0;
-
-  bool holds(const Disc& disc) const {
-    const Eigen::Vector2d p = Eigen::Rotation2Dd(-yaw_rad) * (disc.centre - centre);
-    return std::abs(p.x()) + disc.radius < size.x() / 2 && std::abs(p.y()) + disc.radius < size.y() / 2;
+/// A pixel for a target's centre. `reach`: of its projected sphere, pixels.
+Eigen::Vector2d border_pixel(const PinholeCamera& camera, double reach, Random& random) {
+  const double inside = reach * random.uniform(0.05, 0.9);
+  const bool upright_border = random.chance(0.6);
+  const double along = random.uniform(0.15, 0.85);
+  if (upright_border) {
+    const bool left = random.chance(0.5);
+    return {left ? inside : camera.width - 1 - inside, along * camera.height};
   }
-};
-
-RigidTransform standing_at(const Eigen::Vector2d& place, double z, double yaw_rad) {
-  return Eigen::Translation3d(place.x(), place.y(), z) * Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ());
+  return {along * camera.width, camera.height - 1 - inside};
 }
 
 /// Where the centre of a target may be, seen at a random pixel; nothing where that does not fit.
 std::optional<Eigen::Vector3d> place_target(const SceneOptions& options,
                                             const RigidTransform& world_from_camera, const Footprint& target,
-                                            Random& random) {
+                                            bool cut, Random& random) {
   const PinholeCamera& camera = options.camera;
-  const double x = random.uniform(0, camera.width - 1);
-  const double y = random.uniform(0, camera.height - 1);
-  const Eigen::Vector3d ray_in_camera = camera.ray(x, y);
+  Eigen::Vector2d pixel;
+  if (cut) {
+    const double guess = camera.focal * target.bounding_radius_m / random.in(options.distance_m);
+    pixel = border_pixel(camera, guess, random);
+  } else {
+    pixel.x() = random.uniform(0, camera.width - 1);
+    pixel.y() = random.uniform(0, camera.height - 1);
+  }
+  const Eigen::Vector3d ray_in_camera = camera.ray(pixel.x(), pixel.y());
   const Eigen::Vector3d ray = world_from_camera.linear() * ray_in_camera;
   const Eigen::Vector3d eye = world_from_camera.translation();
   if (ray.z() > -0.02) return std::nullopt;
@@ -65,90 +51,70 @@ std::optional<Eigen::Vector3d> place_target(const SceneOptions& options,
   const double axial = distance * ray_in_camera.z();
   if (axial <= 1.5 * target.bounding_radius_m) return std::nullopt;
   const double reach = 1.15 * camera.focal * target.bounding_radius_m / axial;
-  if (x < reach || y < reach || x > camera.width - 1 - reach || y > camera.height - 1 - reach)
-    return std::nullopt;
+  const double margin = std::min(std::min(pixel.x(), camera.width - 1 - pixel.x()),
+                                 std::min(pixel.y(), camera.height - 1 - pixel.y()));
+  if (cut ? margin > reach / 1.15 : margin < reach) return std::nullopt;
   return Eigen::Vector3d(eye + distance * ray);
 }
 
-/// A random thing of about a hand's size, and the radius of its footprint.
-std::pair<Mesh, double> random_clutter(Random& random) {
-  const Eigen::Vector3f colour = random_colour({0, 1}, {0.05, 0.95}, {0.15, 0.98}, random).cast<float>();
-  const auto finish = [&](Mesh mesh) {
-    return random.chance(0.55) ? with_texture(std::move(mesh), print_texture(kSmallTexture, random))
-                               : with_colour(std::move(mesh), colour);
-  };
-  switch (random.integer(0, 5)) {
-    case 0:
-    case 1: {
-      const Eigen::Vector3d size{random.uniform(0.03, 0.18), random.uniform(0.03, 0.1),
-                                 random.uniform(0.04, 0.25)};
-      return {finish(box_shape(size.x(), size.y(), size.z())), size.head<2>().norm() / 2};
+bool place_targets(const SceneOptions& options, const std::vector<Footprint>& targets, TableScene& scene,
+                   Random& random) {
+  constexpr int kDraws = 40;
+  const RigidTransform world_from_camera = scene.camera_from_world.inverse();
+  for (const Footprint& target : targets) {
+    const bool cut = options.cut_share > 0 && random.chance(options.cut_share);
+    bool placed = false;
+    for (int draw = 0; draw < kDraws && !placed; ++draw) {
+      const auto centre = place_target(options, world_from_camera, target, cut, random);
+      if (!centre) continue;
+      const Disc disc{centre->head<2>(), target.horizontal_radius_m};
+      if (!scene.top.holds(disc) || !free_of(disc, scene.taken)) continue;
+      scene.taken.push_back(disc);
+      scene.cut.push_back(cut);
+      scene.world_from_target.push_back(standing_at(disc.centre, target.centre_height_m, full_turn(random)));
+      placed = true;
     }
-    case 2:
-    case 3: {
-      const double radius = random.uniform(0.02, 0.06);
-      return {finish(cylinder_shape(radius, random.uniform(0.04, 0.24))), radius};
-    }
-    case 4: {
-      const double radius = random.uniform(0.025, 0.06);
-      return {finish(sphere_shape(radius)), radius};
-    }
-    default: {
-      const double radius = random.uniform(0.025, 0.045);
-      return {finish(bottle_shape(radius, random.uniform(0.15, 0.28))), radius};
-    }
+    if (!placed) return false;
   }
+  return true;
 }
 
-void add_clutter(const SceneOptions& options, const TableTop& top, std::vector<Disc>& taken,
-                 TableScene& scene, Random& random) {
-  const std::vector<Disc> targets = taken;
+void put(TableScene& scene, ClutterThing thing, const Disc& disc, double yaw_rad) {
+  PlacedMesh placed;
+  placed.mesh = std::move(thing.mesh);
+  placed.distractor = thing.distractor;
+  placed.gloss = thing.gloss;
+  placed.world_from_mesh = standing_at(disc.centre, thing.lift_m, yaw_rad);
+  scene.surroundings.push_back(std::move(placed));
+  scene.taken.push_back(disc);
+}
+
+void add_clutter(const SceneOptions& options, const ClutterStock& stock, TableScene& scene, Random& random) {
+  const std::vector<Disc> targets = scene.taken;
   const int count =
       random.integer(static_cast<int>(options.clutter.lo), static_cast<int>(options.clutter.hi));
   for (int i = 0; i < count; ++i) {
-    auto [mesh, radius] = random_clutter(random);
+    ClutterThing thing = random_clutter(stock, random);
     for (int attempt = 0; attempt < 60; ++attempt) {
       // Two of three beside a target, the others anywhere on the table.
-      Disc disc{{0, 0}, radius};
-      if (i % 3 < 2) {
+      Disc disc{{0, 0}, thing.radius_m};
+      if (i % 3 < 2 && !targets.empty()) {
         const int beside = random.integer(0, static_cast<int>(targets.size()) - 1);
         const Disc& near = targets[static_cast<std::size_t>(beside)];
-        const double angle = random.uniform(-std::numbers::pi, std::numbers::pi);
-        const double away = near.radius + radius + kGapM + 0.35 * std::pow(random.uniform(), 2);
+        const double angle = full_turn(random);
+        const double away =
+            near.radius + thing.radius_m + kClutterGapM + 0.35 * std::pow(random.uniform(), 2);
         disc.centre = near.centre + away * Eigen::Vector2d(std::cos(angle), std::sin(angle));
       } else {
-        disc.centre = {random.uniform(-0.7, 0.7), random.uniform(0.3, 1.6)};
+        disc.centre.x() = random.uniform(-0.7, 0.7);
+        disc.centre.y() = random.uniform(0.3, 1.6);
       }
       // Nothing in front of the lens.
-      if (!top.holds(disc) || !free_of(disc, taken) || disc.centre.norm() < 0.25) continue;
-      taken.push_back(disc);
-      scene.surroundings.push_back(
-          {std::move(mesh),
-           standing_at(disc.centre, 0, random.uniform(-std::numbers::pi, std::numbers::pi))});
+      if (!scene.top.holds(disc) || !free_of(disc, scene.taken) || disc.centre.norm() < 0.25) continue;
+      put(scene, std::move(thing), disc, full_turn(random));
       break;
     }
   }
-}
-
-void add_room(const TableTop& top, TableScene& scene, Random& random) {
-  scene.surroundings.push_back({with_texture(box_shape(top.size.x(), top.size.y(), kTableThicknessM),
-                                             table_texture(kLargeTexture, random)),
-                                standing_at(top.centre, -kTableThicknessM, top.yaw_rad)});
-  const auto floor =
-      random.chance(0.5) ? wood_texture(kLargeTexture, random) : tile_texture(kLargeTexture, random);
-  scene.surroundings.push_back(
-      {with_texture(rectangle_shape(7, 7), floor), standing_at({0, 2}, -kTableHeightM, 0)});
-  const cv::Mat plaster =
-      random.chance(0.75) ? plain_texture(kLargeTexture, random) : tile_texture(kLargeTexture, random);
-  const double yaw = random.uniform(-0.3, 0.3);
-  const double wall_distance = top.centre.y() + top.size.y() / 2 + random.uniform(0.2, 1.8);
-  // Upright rectangles: the wall behind the table and those beside it.
-  const RigidTransform upright(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX()));
-  const Mesh wall = with_texture(rectangle_shape(9, 4), plaster);
-  const double z = 2 - kTableHeightM;
-  scene.surroundings.push_back({wall, standing_at({0, wall_distance}, z, yaw) * upright});
-  scene.surroundings.push_back({wall, standing_at({-3.2, 1}, z, yaw + std::numbers::pi / 2) * upright});
-  scene.surroundings.push_back({wall, standing_at({3.2, 1}, z, yaw - std::numbers::pi / 2) * upright});
 }
 
 }  // namespace
@@ -165,8 +131,9 @@ RigidTransform camera_from_world(double pitch_rad, double roll_rad, double heigh
   return world_from_camera.inverse();
 }
 
-TableScene compose_scene(const SceneOptions& options, const std::vector<Footprint>& targets, Random& random) {
-  constexpr int kAttempts = 4000;
+TableScene compose_scene(const SceneOptions& options, const std::vector<Footprint>& targets,
+                         const ClutterStock& stock, Random& random) {
+  constexpr int kAttempts = 1500;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     TableScene scene;
     const double pitch = random.in(options.pitch_deg) * kDegree;
@@ -174,35 +141,66 @@ TableScene compose_scene(const SceneOptions& options, const std::vector<Footprin
     const double height = random.in(options.height_m);
     scene.table = TableGeometry::from_pitch_roll(pitch, roll, height);
     scene.camera_from_world = camera_from_world(pitch, roll, height);
-    TableTop top;
-    top.size = {random.uniform(1.0, 2.4), random.uniform(0.9, 1.8)};
+    TableTop& top = scene.top;
+    top.size.x() = random.uniform(1.0, 2.4);
+    top.size.y() = random.uniform(0.9, 1.8);
     top.yaw_rad = random.uniform(-0.35, 0.35);
-    top.centre = {random.uniform(-0.25, 0.25), top.size.y() / 2 + random.uniform(-0.1, 0.25)};
+    top.centre.x() = random.uniform(-0.25, 0.25);
+    top.centre.y() = top.size.y() / 2 + random.uniform(-0.1, 0.25);
+    if (!place_targets(options, targets, scene, random)) continue;
 
-    std::vector<Disc> taken;
-    for (const Footprint& target : targets) {
-      const auto centre = place_target(options, scene.camera_from_world.inverse(), target, random);
-      if (!centre) break;
-      const Disc disc{centre->head<2>(), target.horizontal_radius_m};
-      if (!top.holds(disc) || !free_of(disc, taken)) break;
-      taken.push_back(disc);
-      scene.world_from_target.push_back(standing_at(disc.centre, target.centre_height_m,
-                                                    random.uniform(-std::numbers::pi, std::numbers::pi)));
-    }
-    if (taken.size() < targets.size()) continue;
-
-    add_room(top, scene, random);
-    add_clutter(options, top, taken, scene, random);
-    const double azimuth = random.uniform(-std::numbers::pi, std::numbers::pi);
-    const double elevation = random.uniform(35, 80) * kDegree;
-    const Eigen::Vector3d direction(std::cos(azimuth) * std::cos(elevation),
-                                    std::sin(azimuth) * std::cos(elevation), std::sin(elevation));
-    scene.light_in_world = scene.world_from_target[0].translation() + random.uniform(1.2, 2.5) * direction;
-    scene.ambient = random.uniform(0.35, 0.65);
+    add_room(scene, stock.textures, random);
+    scene.first_clutter = scene.surroundings.size();
+    add_clutter(options, stock, scene, random);
+    const Eigen::Vector3d focus = targets.empty() ? Eigen::Vector3d(0, 0.7, 0)
+                                                  : Eigen::Vector3d(scene.world_from_target[0].translation());
+    add_lamps(scene, focus, random);
     return scene;
   }
-  throw UsageError("no place was found where the objects stand wholly inside the picture",
+  throw UsageError("no place was found where the objects stand as wanted",
                    "widen the ranges of pitch, height and distance, or put fewer objects into one image");
+}
+
+bool add_occluder(TableScene& scene, std::size_t target, const Footprint& footprint, double hidden,
+                  const ClutterStock& stock, Random& random) {
+  const RigidTransform& object = scene.world_from_target[target];
+  const Eigen::Vector2d place = object.translation().head<2>();
+  const Eigen::Vector2d to_camera = -place.normalized();
+  const Eigen::Vector2d aside(-to_camera.y(), to_camera.x());
+  // Half of the width that the camera sees of the object's box.
+  double half_width = 0;
+  for (int axis = 0; axis < 2; ++axis)
+    half_width += 0.5 * footprint.size_m[axis] * std::abs(object.linear().col(axis).head<2>().dot(aside));
+  const double camera_height = scene.table.camera_height_m;
+  const double slope = (camera_height - footprint.centre_height_m) / place.norm();
+  for (int attempt = 0; attempt < 30; ++attempt) {
+    const bool column = random.chance(0.65);
+    const double radius =
+        std::max(0.018, half_width * (column ? random.uniform(0.4, 1.0) : random.uniform(0.9, 1.3)));
+    const double forward =
+        footprint.horizontal_radius_m + radius + kClutterGapM + random.uniform(0.001, 0.06);
+    // A line of sight to height z of the object passes the thing at z + forward * slope.
+    const double covered = column ? random.uniform(0.9, 1.4) : hidden * random.uniform(0.8, 1.3);
+    const double height = forward * slope + covered * footprint.size_m.z();
+    const double overlap = column ? 2 * half_width * hidden * random.uniform(0.8, 1.3) : half_width + radius;
+    const double side = random.chance(0.5) ? 1 : -1;
+    const double sideways = side * std::max(0.0, half_width + radius - overlap);
+    const Disc disc{place + forward * to_camera + sideways * aside, radius};
+    if (height > 0.8 * camera_height || disc.centre.norm() < 0.2 || !scene.top.holds(disc) ||
+        !free_of(disc, scene.taken)) {
+      continue;
+    }
+    put(scene, random_occluder(stock, radius, height, random), disc, full_turn(random));
+    return true;
+  }
+  return false;
+}
+
+void remove_clutter(TableScene& scene, std::size_t index) {
+  const auto at = static_cast<std::ptrdiff_t>(index);
+  const auto disc = static_cast<std::ptrdiff_t>(scene.world_from_target.size() + index - scene.first_clutter);
+  scene.surroundings.erase(scene.surroundings.begin() + at);
+  scene.taken.erase(scene.taken.begin() + disc);
 }
 
 }  // namespace sextant

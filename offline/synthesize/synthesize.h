@@ -3,42 +3,29 @@
 // where no labelled recordings exist.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <string>
-#include <vector>
 
-#include "offline/mesh/standing_object.h"
-#include "offline/synthesize/scene.h"
+#include "offline/synthesize/synthesizer.h"
 #include "runtime/model/object_model.h"
 
 namespace sextant {
 
-/// An object to put on tables.
-struct SynthesisTarget {
-  int object_id = 1;
-  StandingObject object;
-};
-
-struct SynthesisOptions {
-  std::filesystem::path output;    ///< folder of the data set
-  int images = 20;                 ///< 1..1000000; targets take turns
-  int targets_per_image = 1;       ///< different objects at once, 1..number of targets
-  std::string sensor = "kinect1";  ///< see depth_sensor()
-  std::uint64_t seed = 1;          ///< image k depends on seed and k alone
-  SceneOptions scene;
+struct SynthesisOptions : ImageOptions {
+  std::filesystem::path output;  ///< folder of the data set
+  int threads = 0;               ///< 0: all cores; the images are the same for any number
 };
 
 struct SynthesisSummary {
-  int images = 0;
+  int images = 0;  ///< negatives included
   int instances = 0;
   double mean_visible_fraction = 0;
 };
 
-/// Writes the data set (scene 1, images from 0). progress(done, total) is called after each image.
-/// Throws UsageError, InputError, DeviceError.
+/// Writes the data set (scene 1, images from 0; negatives last). progress(done, total) is called after each
+/// image, by one thread at a time. Throws UsageError, InputError, DeviceError.
 SynthesisSummary synthesize_dataset(const std::vector<SynthesisTarget>& targets,
+                                    const std::vector<StandingObject>& distractors,
                                     const SynthesisOptions& options,
                                     const std::function<void(std::size_t, std::size_t)>& progress);
 

@@ -181,20 +181,4 @@ cv::Mat print_texture(const cv::Size& size, Random& random) {
   return image;
 }
 
-cv::Mat table_texture(const cv::Size& size, Random& random) {
-  switch (random.integer(0, 6)) {
-    case 0:
-    case 1:
-    case 2:
-      return wood_texture(size, random);
-    case 3:
-    case 4:
-      return plain_texture(size, random);
-    case 5:
-      return cloth_texture(size, random);
-    default:
-      return stone_texture(size, random);
-  }
-}
-
 }  // namespace sextant

@@ -26,8 +26,21 @@ cv::Mat tile_texture(const cv::Size& size, Random& random);
 /// A package's print: fields, stripes, discs and lines of "text".
 cv::Mat print_texture(const cv::Size& size, Random& random);
 
-/// One of the first four: what tables are made of.
+/// Two colours of squares, as on a board or a cloth.
+cv::Mat checker_texture(const cv::Size& size, Random& random);
+/// Bands of colour, along or crossed.
+cv::Mat striped_texture(const cv::Size& size, Random& random);
+/// Speckled pile.
+cv::Mat carpet_texture(const cv::Size& size, Random& random);
+/// Chips of a few colours in a plain ground.
+cv::Mat terrazzo_texture(const cv::Size& size, Random& random);
+/// A printed sheet: columns of words, here and there a picture.
+cv::Mat page_texture(const cv::Size& size, Random& random);
+
+/// What tables, floors and walls are covered with: one of the above.
 cv::Mat table_texture(const cv::Size& size, Random& random);
+cv::Mat floor_texture(const cv::Size& size, Random& random);
+cv::Mat wall_texture(const cv::Size& size, Random& random);
 
 /// RGB 0..1 from hue 0..1, saturation 0..1, value 0..1.
 Eigen::Vector3d colour_from_hsv(double hue, double saturation, double value);

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A carton of oats with a different print on each of its six sides.
-#include <Eigen/Geometry>
 #include <cstdlib>
 
 #include "offline/mesh/bundled/bundled_meshes.h"
-#include "offline/mesh/bundled/canvas.h"
-#include "offline/mesh/bundled/shapes.h"
+#include "offline/mesh/bundled/carton.h"
 
 namespace sextant {
 namespace {
@@ -13,8 +11,7 @@ namespace {
 constexpr double kWidth = 160;   // x
 constexpr double kDepth = 60;    // y
 constexpr double kHeight = 210;  // z
-constexpr double kSheetWidth = 2 * (kWidth + kDepth);
-constexpr double kSheetHeight = kHeight + kDepth;
+constexpr CartonSize kSize{kWidth, kDepth, kHeight};
 
 const Paint kNavy(22, 48, 92);
 const Paint kSky(92, 170, 214);
@@ -25,18 +22,10 @@ const Paint kTeal(18, 120, 116);
 const Paint kRed(196, 40, 44);
 const Paint kInk(40, 36, 34);
 
-// A place on the unfolded sheet, millimetres from its upper left corner.
-struct Panel {
-  double x, y, width, height;
-};
-constexpr Panel kFront{0, 0, kWidth, kHeight};
-constexpr Panel kRight{kWidth, 0, kDepth, kHeight};
-constexpr Panel kBack{kWidth + kDepth, 0, kWidth, kHeight};
-constexpr Panel kLeft{2 * kWidth + kDepth, 0, kDepth, kHeight};
-constexpr Panel kTop{0, kHeight, kWidth, kDepth};
-constexpr Panel kBottom{kWidth, kHeight, kWidth, kDepth};
-
-void enter(Canvas& canvas, const Panel& p) { canvas.panel(p.x, p.y, p.width, p.height); }
+void enter(Canvas& canvas, CartonSide side) {
+  const CartonPanel p = carton_panel(kSize, side);
+  canvas.panel(p.x, p.y, p.width, p.height);
+}
 
 void sun(Canvas& canvas, double x, double y, double radius, const Paint& ray, const Paint& disc) {
   // Cosines of 0, 22.5 .. 90 deg as numbers: the last digit of a computed one differs between machines.
@@ -55,7 +44,7 @@ void sun(Canvas& canvas, double x, double y, double radius, const Paint& ray, co
 }
 
 void paint_front(Canvas& canvas) {
-  enter(canvas, kFront);
+  enter(canvas, CartonSide::kFront);
   canvas.rectangle(0, 0, kWidth, kHeight, kNavy);
   canvas.rectangle(0, 62, kWidth, 84, kSky);
   sun(canvas, 80, 118, 31, kCream, kSun);
@@ -74,7 +63,7 @@ void paint_front(Canvas& canvas) {
 }
 
 void paint_back(Canvas& canvas) {
-  enter(canvas, kBack);
+  enter(canvas, CartonSide::kBack);
   canvas.rectangle(0, 0, kWidth, kHeight, kCream);
   canvas.rectangle(0, 0, kWidth, 34, kOrange);
   canvas.text("GOOD MORNING", 80, 10, 13, kCream);
@@ -99,13 +88,13 @@ void paint_back(Canvas& canvas) {
 }
 
 void paint_sides(Canvas& canvas) {
-  enter(canvas, kRight);
+  enter(canvas, CartonSide::kRight);
   canvas.rectangle(0, 0, kDepth, kHeight, kOrange);
   for (int i = 0; i < 3; ++i) canvas.rectangle(8 + 18.0 * i, 0, 8, 120, kSun);
   canvas.disc(30, 150, 23, kCream);
   canvas.text("OAT", 30, 142, 15, kRed);
   canvas.rectangle(0, 186, kDepth, 24, kNavy);
-  enter(canvas, kLeft);
+  enter(canvas, CartonSide::kLeft);
   canvas.rectangle(0, 0, kDepth, kHeight, kTeal);
   for (int i = 0; i < 5; ++i) {
     const double y = 14 + 22.0 * i;
@@ -116,12 +105,12 @@ void paint_sides(Canvas& canvas) {
 }
 
 void paint_ends(Canvas& canvas) {
-  enter(canvas, kTop);
+  enter(canvas, CartonSide::kTop);
   canvas.rectangle(0, 0, kWidth, kDepth, kNavy);
   canvas.rectangle(0, 24, kWidth, 12, kSun);
   canvas.disc(30, 30, 20, kRed);
   canvas.text("OPEN", 98, 18.5, 23, kCream);
-  enter(canvas, kBottom);
+  enter(canvas, CartonSide::kBottom);
   canvas.rectangle(0, 0, kWidth, kDepth, kCream);
   canvas.rectangle(0, 26, 104, 8, kInk);
   canvas.text("A2", 130, 16, 28, kInk);
@@ -130,47 +119,12 @@ void paint_ends(Canvas& canvas) {
 }  // namespace
 
 Mesh printed_box() {
-  Canvas canvas(kSheetWidth, kSheetHeight, 3);
+  Canvas canvas(kSize.sheet_width(), kSize.sheet_height(), 3);
   paint_front(canvas);
   paint_back(canvas);
   paint_sides(canvas);
   paint_ends(canvas);
-
-  Mesh mesh;
-  mesh.textures.push_back(canvas.image());
-  MeshPart part;
-  part.texture = 0;
-  // Upper left, upper right, lower right, lower left corner as seen from outside with the print upright.
-  const auto side = [&](const Panel& panel, const Eigen::Vector3f& upper_left, const Eigen::Vector3f& right,
-                        const Eigen::Vector3f& down) {
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    constexpr double kInset = 0.2;  // keeps the neighbouring panel's colour out of the interpolation
-    for (int k = 0; k < 4; ++k) {
-      const int across = k == 1 || k == 2 ? 1 : 0;
-      const int below = k >= 2 ? 1 : 0;
-      mesh.vertices.emplace_back(upper_left + static_cast<float>(across) * right +
-                                 static_cast<float>(below) * down);
-      const Eigen::Vector3f out = down.cross(right).normalized();
-      mesh.normals.push_back(out);
-      mesh.colours.emplace_back(1, 1, 1);
-      const double u = panel.x + (across == 0 ? kInset : panel.width - kInset);
-      const double v = panel.y + (below == 0 ? kInset : panel.height - kInset);
-      mesh.uvs.emplace_back(static_cast<float>(u / kSheetWidth), static_cast<float>(1 - v / kSheetHeight));
-    }
-    part.triangles.push_back({first, first + 3, first + 2});
-    part.triangles.push_back({first, first + 2, first + 1});
-  };
-  const float w = kWidth / 2;
-  const float d = kDepth / 2;
-  const float h = kHeight;
-  side(kFront, {-w, -d, h}, {2 * w, 0, 0}, {0, 0, -h});
-  side(kRight, {w, -d, h}, {0, 2 * d, 0}, {0, 0, -h});
-  side(kBack, {w, d, h}, {-2 * w, 0, 0}, {0, 0, -h});
-  side(kLeft, {-w, d, h}, {0, -2 * d, 0}, {0, 0, -h});
-  side(kTop, {-w, d, h}, {2 * w, 0, 0}, {0, -2 * d, 0});
-  side(kBottom, {-w, -d, 0}, {2 * w, 0, 0}, {0, 2 * d, 0});
-  mesh.parts.push_back(part);
-  return mesh;
+  return carton(kSize, canvas);
 }
 
 }  // namespace sextant

@@ -10,6 +10,7 @@
 #include "offline/cli/object_id.h"
 #include "offline/cli/synthesize_command.h"
 #include "offline/dataset/bop_results.h"
+#include "offline/dataset/models_info.h"
 #include "offline/dataset/ply_writer.h"
 #include "runtime/base/error.h"
 #include "tests/support/simple_objects.h"
@@ -86,6 +87,23 @@ TEST_F(DatasetCommands, SynthesizeThenEvaluate) {
   EXPECT_EQ(1, call(command + " --max-translation-cm 0.3 --require 0.5").exit_code);
   EXPECT_EQ(0, call(command + " --max-translation-cm 0.3").exit_code);
   EXPECT_THAT(call(command + " --upright").output, testing::HasSubstr("100.0 %"));
+}
+
+TEST_F(DatasetCommands, OneObjectMayHaveOtherUnitsAndOthersStandAround) {
+  const std::filesystem::path metres = folder_ / "metres_000007.ply";
+  Mesh mesh = box_object_mesh(0.05, 0.03, 0.06);
+  for (Eigen::Vector3f& v : mesh.vertices) v /= 1000;  // the writer multiplies by 1000
+  write_ply_mm(metres, mesh, RigidTransform::Identity());
+  const Outcome made =
+      call("synthesize " + mesh_.string() + " " + metres.string() + "@m,z --units mm --up z --images 2 " +
+           "--negatives 1 --size 160x120 --focal 131 --sensor none --json --distractor " + mesh_.string() +
+           " -o " + dataset_.string());
+  const nlohmann::json json = nlohmann::json::parse(made.output);
+  EXPECT_EQ((std::vector<int>{42, 7}), json["object_ids"].get<std::vector<int>>());
+  EXPECT_EQ(3, json["images"]);
+  EXPECT_EQ(1, json["negatives"]);
+  EXPECT_NEAR(2 * 0.08367, read_models_info(dataset_ / "models/models_info.json").at(7).diameter_m, 0.001);
+  EXPECT_THROW(call(synthesize("--distractor " + mesh_.string() + "@furlong")), UsageError);
 }
 
 TEST_F(DatasetCommands, WrongUseIsRefused) {

@@ -142,6 +142,64 @@ TEST_F(Evaluation, UprightMeansItsUpAlongTheTables) {
   EXPECT_EQ(2, report().objects.at(1).instances);
 }
 
+TEST_F(Evaluation, StrictLimitsAndTurntableErrors) {
+  detect(0, 1, at(0.004, 0, 0.8) * Eigen::AngleAxisd(-0.05, Eigen::Vector3d::UnitZ()));
+  detect(1, 1, at(0, 0, 0.8) * Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()));
+  detect(1, 2, at(0.2, 0, 0.8));
+  const EvaluationReport r = report();
+  EXPECT_TRUE(r.instances[0].strict);
+  EXPECT_NEAR(-0.05 * 57.29577951, *r.instances[0].turntable_deg, 1e-6);
+  EXPECT_TRUE(r.instances[1].right);
+  EXPECT_FALSE(r.instances[1].strict) << "11.5 deg";
+  EXPECT_NEAR(0, *r.instances[1].turntable_deg, 1e-6) << "a tilt is no turn";
+  EXPECT_FALSE(r.instances[2].turntable_deg.has_value());
+  EXPECT_NEAR(1.0 / 3, r.objects.at(1).share_strict(), 1e-12);
+}
+
+TEST_F(Evaluation, BopRecallsAreMeansOverTheirThresholds) {
+  // 23 mm of 200 mm = 11.5 %: below 0.15 .. 0.50, 8 of 10. At 0.8 m and f 500 at least 14.375 px: the nearest
+  // points are at 0.8 m: below 15, 20, .. 50, 8 of 10.
+  detect(0, 1, at(0.023, 0, 0.8));
+  const EvaluationReport r = report();
+  EXPECT_NEAR(23, *r.instances[0].mssd_mm, 1e-6);
+  EXPECT_NEAR(500 * 0.023 / 0.8, *r.instances[0].mspd_px, 1e-6);
+  EXPECT_NEAR(0.8 / 3, *r.objects.at(1).ar_mssd, 1e-12) << "two of three are not found";
+  EXPECT_NEAR(0.8 / 3, *r.objects.at(1).ar_mspd, 1e-12);
+  EXPECT_FALSE(r.objects.at(1).ar_vsd.has_value());
+  InstanceResult seen = r.instances[0];
+  seen.vsd = {1, 0.32, 0.12, 0, 0, 0, 0, 0, 0, 0};
+  // Limits 0.05, 0.10: 7 tolerances below; 0.15 .. 0.30: 8; 0.35 .. 0.50: 9.
+  EXPECT_NEAR((2 * 0.7 + 4 * 0.8 + 4 * 0.9) / 10, recall_vsd({&seen}), 1e-12);
+}
+
+TEST_F(Evaluation, ScoresThatAreProbabilitiesAreCheckedAsSuch) {
+  detect(0, 1, at(0, 0, 0.8), 0.9);
+  detect(1, 1, at(0.1, 0, 0.8), 0.7);
+  detect(3, 1, at(0, 0, 0.8), 0.2);
+  const EvaluationReport r = report();
+  ASSERT_TRUE(r.total.calibrated.has_value());
+  EXPECT_NEAR((0.1 + 0.7 + 0.2) / 3, r.total.calibrated->expected_error, 1e-12);
+  ASSERT_EQ(1U, r.false_answers.size());
+  EXPECT_EQ(3, r.false_answers[0].image_id);
+}
+
+TEST_F(Evaluation, ConfusionTellsAnywhereFromInside) {
+  // Image 0 holds object 1; object 2's detector answers on it. Image 1 holds both; 2's detector finds its
+  // own and also something far off. Image 2: object 1 found.
+  detect(0, 2, at(0, 0, 0.8));
+  detect(1, 2, at(0.2, 0, 0.8), 0.9);
+  detect(1, 2, at(-0.3, 0, 0.8), 0.5);
+  detect(2, 1, at(0, 0, 0.8));
+  const Confusion c = report().confusion;
+  EXPECT_EQ(3, c.images.at(1));
+  EXPECT_EQ(1, c.images.at(2));
+  EXPECT_EQ(2, c.anywhere.at(1).at(2)) << "images 0 and 1";
+  EXPECT_EQ(1, c.inside.at(1).at(2)) << "image 0";
+  EXPECT_EQ(1, c.anywhere.at(1).at(1)) << "image 2";
+  EXPECT_EQ(1, c.inside.at(2).at(2));
+  EXPECT_EQ(0U, c.anywhere.at(2).count(1));
+}
+
 TEST_F(Evaluation, ResultsOfAnotherDataSetAreRefused) {
   detect(17, 1, at(0, 0, 0.8));
   EXPECT_THROW(report(), InputError);

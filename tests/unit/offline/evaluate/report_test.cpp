@@ -58,16 +58,5 @@ TEST(Report, JsonIsOneLineOfTheSameNumbers) {
   EXPECT_EQ(3.25, json["instances"][1]["translation_cm"]);
 }
 
-TEST(Report, HtmlIsSelfContainedAndEscaped) {
-  const std::string html = format_report_html(small_report(), "a <b> & \"c\"");
-  EXPECT_THAT(html, HasSubstr("a &lt;b&gt; &amp; &quot;c&quot;"));
-  EXPECT_THAT(html, HasSubstr("not found"));
-  EXPECT_THAT(html, HasSubstr("<svg"));
-  EXPECT_THAT(html, Not(HasSubstr("http")));
-  EXPECT_THAT(html, Not(HasSubstr("<script")));
-  EvaluationReport empty;
-  EXPECT_THAT(format_report_html(empty, "x"), HasSubstr("Not right: 0 of 0"));
-}
-
 }  // namespace
 }  // namespace sextant

@@ -28,7 +28,8 @@ TEST(BundledMeshes, RegeneratingGivesTheCommittedBytes) {
 }
 
 TEST(BundledMeshes, AreClosedAndOfModestSize) {
-  for (const Mesh& mesh : {printed_box(), can(), bottle(), mug()}) {
+  for (const Mesh& mesh :
+       {printed_box(), tea_box(), can(), snack_tube(), bottle(), sauce_bottle(), mug(), drill()}) {
     EXPECT_EQ(free_edge_length(mesh), 0);
     EXPECT_LT(mesh.triangle_count(), 10'000U);
   }
@@ -82,6 +83,13 @@ TEST(BundledMeshes, SurviveTheirFormats) {
   };
   expect_same(printed_box(), read_mesh(repository_file("data/meshes/printed_box.obj"), 0.001), false);
   expect_same(with_equal_looks_joined(can()), read_mesh(repository_file("data/meshes/can.glb")), true);
+  expect_same(tea_box(), read_mesh(repository_file("data/meshes/tea_box.obj"), 0.001), false);
+  expect_same(with_equal_looks_joined(snack_tube()), read_mesh(repository_file("data/meshes/snack_tube.glb")),
+              true);
+  expect_same(with_equal_looks_joined(sauce_bottle()),
+              read_mesh(repository_file("data/meshes/sauce_bottle.glb")), true);
+  expect_same(with_equal_looks_joined(drill()), read_mesh(repository_file("data/meshes/drill.ply"), 0.001),
+              false);
   expect_same(with_equal_looks_joined(bottle()), read_mesh(repository_file("data/meshes/bottle.ply"), 0.001),
               false);
 }

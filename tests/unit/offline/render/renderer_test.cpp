@@ -132,6 +132,50 @@ TEST(Renderer, TexturesStandUpright) {
   EXPECT_GT(view.colour.at<cv::Vec3b>(280, 320)[2], 200);
 }
 
+TEST(Renderer, FillLightsAddAndTheMainOneCanBeSwitchedOff) {
+  Renderer renderer;
+  const int mesh = renderer.upload(rectangle(3, 3));
+  RigidTransform t = RigidTransform::Identity();
+  t.translation().z() = 1;
+  const auto brightness = [&](const Light& light) {
+    return static_cast<int>(
+        renderer.render_colour(kCamera, kWhole, {{mesh, t}}, light, {0, 0, 0}).at<cv::Vec3b>(240, 320)[0]);
+  };
+  // Facing the camera, lit from the camera: ambient + (1 - ambient) * strength.
+  Light light;
+  light.ambient = 0.25;
+  EXPECT_NEAR(255, brightness(light), 1);
+  light.strength = 0;
+  EXPECT_NEAR(0.25 * 255, brightness(light), 1);
+  light.fills = {{{0, 0, 0}, 0.2}, {{0, 0, 0}, 0.1}};
+  EXPECT_NEAR(0.55 * 255, brightness(light), 1);
+}
+
+TEST(Renderer, GlossMakesAHighlightWhereTheLightIsMirrored) {
+  Renderer renderer;
+  Mesh dark = rectangle(3, 3);
+  dark.parts[0].diffuse = {0.2F, 0.2F, 0.2F};
+  const int mesh = renderer.upload(dark);
+  RigidTransform t = RigidTransform::Identity();
+  t.translation().z() = 1;
+  const cv::Mat matt = renderer.render_colour(kCamera, kWhole, {{mesh, t}}, {}, {0, 0, 0});
+  const cv::Mat shiny = renderer.render_colour(kCamera, kWhole, {{mesh, t, 0.5}}, {}, {0, 0, 0});
+  EXPECT_NEAR(0.5 * 255, shiny.at<cv::Vec3b>(240, 320)[0] - matt.at<cv::Vec3b>(240, 320)[0], 3);
+  EXPECT_NEAR(0, shiny.at<cv::Vec3b>(5, 5)[0] - matt.at<cv::Vec3b>(5, 5)[0], 12)
+      << "far from the mirror image";
+}
+
+TEST(Renderer, GeometryAloneIsThatOfTheWholePicture) {
+  Renderer renderer;
+  const int mesh = renderer.upload(rectangle(0.5F, 0.3F));
+  const RigidTransform t = transform_from_pose(kCamera, {300, 200, 1.0, 0.2, -1.0, 0.4});
+  const RenderedView whole = renderer.render(kCamera, kWhole, {{mesh, t}}, {}, {9, 9, 9});
+  const RenderedView alone = renderer.render_geometry(kCamera, kWhole, {{mesh, t}});
+  EXPECT_EQ(0, cv::countNonZero(whole.ray_depth_m != alone.ray_depth_m));
+  EXPECT_EQ(0, cv::countNonZero(whole.item != alone.item));
+  EXPECT_TRUE(alone.colour.empty());
+}
+
 TEST(Renderer, TheSameInAnyThread) {
   const RigidTransform t = transform_from_pose(kCamera, {300, 200, 1.0, 0.2, -1.0, 0.4});
   auto draw = [&t] {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "offline/synthesize/colour_sensor.h"
@@ -179,22 +181,92 @@ TEST(NoiseField, HasUnitVarianceAndTheStatedCorrelation) {
   }
 }
 
-TEST(ColourSensor, KeepsTheBrightnessWithinItsGainsAndAddsItsNoise) {
-  const cv::Mat grey(300, 400, CV_8UC3, cv::Scalar(120, 120, 120));
-  ColourSensor sensor;
-  for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    cv::Scalar mean;
-    cv::Scalar deviation;
-    const cv::Mat seen = apply_colour_sensor(grey, sensor, seed);
-    cv::meanStdDev(seen(cv::Rect(150, 100, 100, 100)), mean, deviation);
-    for (int c = 0; c < 3; ++c) {
-      EXPECT_GT(mean[c], 120 * 0.78 * 0.93);
-      EXPECT_LT(mean[c], 120 * 1.22 * 1.07);
-      EXPECT_GT(deviation[c], 0.9);
-      EXPECT_LT(deviation[c], 5.5);
-    }
-    EXPECT_EQ(0, cv::norm(seen, apply_colour_sensor(grey, sensor, seed), cv::NORM_INF));
+TEST(DepthSensor, ObjectsLoseTheirShareAndTheTableDoesNot) {
+  DepthSensor sensor = depth_sensor("none");
+  sensor.object_hole_lo = sensor.object_hole_hi = 0.2;
+  const cv::Mat depth(240, 320, CV_32FC1, cv::Scalar(0.9));
+  DepthSurfaces surfaces;
+  surfaces.object = cv::Mat(240, 320, CV_16SC1, cv::Scalar(-1));
+  const cv::Rect first(20, 20, 130, 200);
+  const cv::Rect second(170, 20, 130, 200);
+  surfaces.object(first).setTo(0);
+  surfaces.object(second).setTo(1);
+  surfaces.no_depth = {1};
+  const cv::Mat noisy = apply_depth_sensor(depth, 525, sensor, 4, surfaces);
+  EXPECT_NEAR(0.8, cv::countNonZero(noisy(first)) / static_cast<double>(first.area()), 0.06);
+  EXPECT_LT(cv::countNonZero(noisy(second)), 0.15 * second.area());
+  const int outside = static_cast<int>(depth.total()) - first.area() - second.area();
+  EXPECT_EQ(outside,
+            cv::countNonZero(noisy) - cv::countNonZero(noisy(first)) - cv::countNonZero(noisy(second)));
+}
+
+TEST(DepthSensor, HolesMoveWithTheDepthWhenItIsMisregistered) {
+  DepthSensor sensor = depth_sensor("none");
+  sensor.focal_px = 525;
+  sensor.misregistration_px = 6;
+  const cv::Mat depth(240, 320, CV_32FC1, cv::Scalar(0.9));
+  DepthSurfaces surfaces;
+  surfaces.object = cv::Mat(240, 320, CV_16SC1, cv::Scalar(-1));
+  surfaces.object(cv::Rect(100, 80, 60, 60)).setTo(0);
+  surfaces.no_depth = {0};
+  double squares = 0;
+  constexpr int kSeeds = 40;
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const cv::Moments m = cv::moments(apply_depth_sensor(depth, 525, sensor, seed, surfaces) == 0, true);
+    squares += std::pow(m.m10 / m.m00 - 129.5, 2);
   }
+  // The spread of the mean square of 40 normal numbers is 22 %.
+  EXPECT_NEAR(36, squares / kSeeds, 24);
+}
+
+TEST(ColourSensor, ExposesToItsRangeOfBrightnessAndAddsItsNoise) {
+  ColourSensor sensor;
+  sensor.gamma = sensor.vignetting = sensor.saturation = sensor.flicker = 0;
+  for (const int level : {40, 120, 220}) {
+    const cv::Mat grey(300, 400, CV_8UC3, cv::Scalar::all(level));
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+      cv::Scalar mean;
+      cv::Scalar deviation;
+      const cv::Mat seen = apply_colour_sensor(grey, sensor, seed);
+      cv::meanStdDev(seen(cv::Rect(150, 100, 100, 100)), mean, deviation);
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_GT(mean[c], std::max(75.0, 0.5 * level) * 0.9);
+        EXPECT_LT(mean[c], std::min(std::max(150.0, 0.5 * level), 3.0 * level) * 1.1);
+        EXPECT_GT(deviation[c], 0.9);
+        EXPECT_LT(deviation[c], 6.5);
+      }
+      EXPECT_EQ(0, cv::norm(seen, apply_colour_sensor(grey, sensor, seed), cv::NORM_INF));
+    }
+  }
+}
+
+TEST(ColourSensor, MotionBlurKeepsTheLightAndWidensEdges) {
+  cv::Mat step(200, 200, CV_8UC3, cv::Scalar::all(60));
+  step(cv::Rect(100, 0, 100, 200)).setTo(cv::Scalar::all(180));
+  ColourSensor still;
+  still.gamma = still.vignetting = still.saturation = still.flicker = still.white_balance = 0;
+  still.brightness_min = still.brightness_max = 120;
+  still.noise_min = still.noise_max = 0;
+  still.motion_chance = 0;
+  ColourSensor moving = still;
+  moving.motion_chance = 1;
+  moving.motion_px = 30;
+  double widest = 0;
+  const auto width = [](const cv::Mat& image) {
+    int between = 0;
+    for (int x = 0; x < image.cols; ++x) {
+      const int v = image.at<cv::Vec3b>(100, x)[0];
+      between += v > 75 && v < 165 ? 1 : 0;
+    }
+    return between;
+  };
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const cv::Mat blurred = apply_colour_sensor(step, moving, seed);
+    EXPECT_NEAR(120, cv::mean(blurred)[0], 2);
+    widest = std::max<double>(widest, width(blurred));
+    EXPECT_LE(width(apply_colour_sensor(step, still, seed)), 5);
+  }
+  EXPECT_GT(widest, 8);
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <opencv2/core.hpp>
+
 #include "offline/synthesize/textures.h"
 #include "runtime/base/error.h"
 #include "runtime/geometry/pose_mapping.h"
@@ -23,12 +26,17 @@ TEST(Scene, TheCameraIsWhereTheTableGeometrySays) {
   }
 }
 
+const std::vector<Footprint> kNone;
+
 TEST(Scene, TargetsStandUprightInsideThePictureAndTouchNothing) {
   SceneOptions options;
-  const std::vector<Footprint> targets{{0.12, 0.06, 0.1}, {0.09, 0.08, 0.05}};
+  TextureLibrary textures(1);
+  const std::vector<Footprint> targets{{0.12, 0.06, 0.1, {0.08, 0.08, 0.2}},
+                                       {0.09, 0.08, 0.05, {0.1, 0.12, 0.1}}};
+  const ClutterStock stock{textures, targets, kNone, 0.3, 0};
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     Random random(seed);
-    const TableScene scene = compose_scene(options, targets, random);
+    TableScene scene = compose_scene(options, targets, stock, random);
     ASSERT_EQ(2U, scene.world_from_target.size());
     for (std::size_t i = 0; i < targets.size(); ++i) {
       const RigidTransform camera_from_object = scene.camera_from_world * scene.world_from_target[i];
@@ -45,8 +53,9 @@ TEST(Scene, TargetsStandUprightInsideThePictureAndTouchNothing) {
       EXPECT_GE(pose.x, reach);
       EXPECT_LE(pose.y, options.camera.height - reach);
     }
-    // No vertex of the clutter stands within a target's footprint. The first 5 surroundings are the room.
-    for (std::size_t k = 5; k < scene.surroundings.size(); ++k) {
+    // No vertex of the clutter stands within a target's footprint.
+    EXPECT_EQ(scene.taken.size(), targets.size() + scene.surroundings.size() - scene.first_clutter);
+    for (std::size_t k = scene.first_clutter; k < scene.surroundings.size(); ++k) {
       const PlacedMesh& placed = scene.surroundings[k];
       for (const Eigen::Vector3f& v : placed.mesh.vertices) {
         const Eigen::Vector3d p = placed.world_from_mesh * v.cast<double>();
@@ -57,7 +66,48 @@ TEST(Scene, TargetsStandUprightInsideThePictureAndTouchNothing) {
         }
       }
     }
-    EXPECT_GE(scene.surroundings.size(), 6U);
+    EXPECT_GT(scene.surroundings.size(), scene.first_clutter);
+    const Disc last = scene.taken.back();
+    remove_clutter(scene, scene.first_clutter);
+    EXPECT_TRUE(scene.taken.size() == targets.size() || scene.taken.back().centre == last.centre);
+  }
+}
+
+TEST(Scene, OccludersStandBetweenTheCameraAndTheirTarget) {
+  SceneOptions options;
+  options.clutter = {0, 0};
+  TextureLibrary textures(2);
+  const std::vector<Footprint> targets{{0.12, 0.06, 0.1, {0.08, 0.08, 0.2}}};
+  const ClutterStock stock{textures, targets, kNone, 0, 0};
+  int added = 0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    Random random(seed);
+    TableScene scene = compose_scene(options, targets, stock, random);
+    if (!add_occluder(scene, 0, targets[0], 0.3, stock, random)) continue;
+    ++added;
+    ASSERT_EQ(2U, scene.taken.size());
+    EXPECT_LT(scene.taken[1].centre.norm(), scene.taken[0].centre.norm());
+    EXPECT_GT((scene.taken[1].centre - scene.taken[0].centre).norm(), scene.taken[1].radius + 0.06);
+  }
+  EXPECT_GE(added, 5);
+}
+
+TEST(Scene, TheBorderCutsThoseItShallCut) {
+  SceneOptions options;
+  options.cut_share = 1;
+  TextureLibrary textures(3);
+  const std::vector<Footprint> targets{{0.12, 0.06, 0.1, {0.08, 0.08, 0.2}}};
+  const ClutterStock stock{textures, targets, kNone, 0, 0};
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    Random random(seed);
+    const TableScene scene = compose_scene(options, targets, stock, random);
+    const Eigen::Vector3d centre = scene.camera_from_world * scene.world_from_target[0].translation();
+    const Eigen::Vector2d pixel = options.camera.project(centre);
+    const double reach = options.camera.focal * targets[0].bounding_radius_m / centre.z();
+    const double margin =
+        std::min({pixel.x(), options.camera.width - 1 - pixel.x(), options.camera.height - 1 - pixel.y()});
+    EXPECT_GT(margin, 0);
+    EXPECT_LT(margin, 1.05 * reach);
   }
 }
 
@@ -66,13 +116,16 @@ TEST(Scene, ImpossibleWishesAreRefused) {
   options.height_m = {0.2, 0.2};
   options.distance_m = {3, 4};
   Random random(1);
-  EXPECT_THROW(compose_scene(options, {{0.1, 0.1, 0.1}}, random), UsageError);
+  TextureLibrary textures(1);
+  const ClutterStock stock{textures, kNone, kNone, 0, 0};
+  EXPECT_THROW(compose_scene(options, {{0.1, 0.1, 0.1, {0.1, 0.1, 0.1}}}, stock, random), UsageError);
 }
 
 TEST(Textures, HaveStructureAndDependOnTheSeedAlone) {
   const cv::Size size(128, 96);
-  for (const auto make :
-       {wood_texture, plain_texture, cloth_texture, stone_texture, tile_texture, print_texture}) {
+  for (const auto make : {wood_texture, plain_texture, cloth_texture, stone_texture, tile_texture,
+                          print_texture, checker_texture, striped_texture, carpet_texture, terrazzo_texture,
+                          page_texture, table_texture, floor_texture, wall_texture}) {
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
       Random random(seed);
       const cv::Mat texture = make(size, random);
@@ -85,6 +138,24 @@ TEST(Textures, HaveStructureAndDependOnTheSeedAlone) {
       Random again(seed);
       EXPECT_EQ(0, cv::norm(texture, make(size, again), cv::NORM_INF));
     }
+  }
+}
+
+TEST(TextureLibrary, GivesTheSameForTheSameSeedsAndAnotherStockForAnother) {
+  TextureLibrary one(5);
+  TextureLibrary same(5);
+  TextureLibrary other(6);
+  for (const TextureKind kind : {TextureKind::kFloor, TextureKind::kPrint}) {
+    Random a(3);
+    Random b(3);
+    Random c(3);
+    one.pick(kind, a);
+    same.pick(kind, b);
+    other.pick(kind, c);
+    const cv::Mat first = one.pick(kind, a);
+    EXPECT_EQ(0, cv::norm(first, same.pick(kind, b), cv::NORM_INF));
+    const cv::Mat another = other.pick(kind, c);
+    EXPECT_TRUE(another.size() != first.size() || cv::norm(first, another, cv::NORM_INF) > 0);
   }
 }
 
