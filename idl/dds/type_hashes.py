@@ -34,9 +34,11 @@ class Field:
 
 
 def read_msg(folder, name):
-    """Returns (fields, constants) of folder/package/Type.msg."""
-    package = name.split("/")[0]
+    """Returns (fields, constants) of folder/package/Type.msg, or of folder/package/msg/Type.msg (a ROS package)."""
+    package, type_name = name.split("/")
     path = Path(folder) / (name + ".msg")
+    if not path.is_file():
+        path = Path(folder) / package / "msg" / (type_name + ".msg")
     fields, constants = [], {}
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         line = line.split("#")[0].strip()

@@ -86,7 +86,7 @@ CLI::App* add_echo_command(CLI::App& app, int& exit_code) {
   command->add_option("--topic", options->topic, "topic without rt/, with its namespace: arm/pose_estimates")
       ->capture_default_str();
   command->add_option("--type", options->type, "what it carries; default: by the last part of the topic")
-      ->check(CLI::IsMember({"detections", "object_pose", "pose_estimates"}));
+      ->check(CLI::IsMember(topic_kind_names()));
   command->add_option("--domain", options->domain, "DDS domain, 0..230")
       ->envname("ROS_DOMAIN_ID")
       ->check(CLI::Range(0, 230))

@@ -83,7 +83,7 @@ void check_config(const DaemonConfig& config, const std::string& where);
 BopSourceOptions source_options(const DaemonConfig& config);
 DetectOptions detect_options(const DaemonConfig& config);
 PipelineOptions pipeline_options(const DaemonConfig& config);
-/// object_boxes stays empty. Throws UsageError where ROS_DOMAIN_ID is needed and no number.
+/// object_shapes stays empty. Throws UsageError where ROS_DOMAIN_ID is needed and no number.
 PublisherOptions publisher_options(const DaemonConfig& config);
 /// The model files after expansion of *, ? and [], sorted. Throws InputError for a pattern without a file.
 std::vector<std::filesystem::path> model_files(const DaemonConfig& config);

@@ -16,7 +16,7 @@
 #include "runtime/daemon/config_reader.h"
 #include "runtime/daemon/config_reference.h"
 #include "runtime/daemon/daemon.h"
-#include "runtime/daemon/object_boxes.h"
+#include "runtime/daemon/object_shapes.h"
 #include "runtime/detect/detector.h"
 #include "runtime/model/model_file.h"
 #include "runtime/publish/dds_log.h"
@@ -46,7 +46,7 @@ void run(const DaemonConfig& config, bool once, SignalWaiter& signals) {
   const DdsLog dds_log([](const std::string& line) { spdlog::warn("DDS: {}", line); });
   std::vector<ObjectModel> models = load_models(config);
   PublisherOptions publishing = publisher_options(config);
-  publishing.object_boxes = object_boxes(models);
+  publishing.object_shapes = object_shapes(models);
   Detector detector(std::move(models), detect_options(config));
   const std::unique_ptr<FrameSource> source = open_bop_source(source_options(config));
   RateLimiter limiter(5, std::chrono::seconds(10));

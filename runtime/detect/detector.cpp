@@ -135,6 +135,10 @@ struct Detector::Impl {
     const cv::Mat edges = edges_by_direction(rectified.colour);
     const std::optional<TableGeometry> table = table_for(frame, rectified);
     result.seconds.features = seconds_since(start);
+    result.table = table;
+    result.table_origin = options.table == TableSource::kEstimate ? TableOrigin::kEstimate
+                          : options.table == TableSource::kFixed  ? TableOrigin::kFixed
+                                                                  : TableOrigin::kFrame;
 
     const auto tables_start = Clock::now();
     tables.build(rectified, edges, clip_radius(rectified.camera), pool);

@@ -5,11 +5,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "runtime/frame/rgbd_frame.h"
 #include "runtime/geometry/rigid_transform.h"
+#include "runtime/geometry/table_geometry.h"
 
 namespace sextant {
 
@@ -43,6 +45,8 @@ struct PoseEstimate {
   double log_score = 0;                     ///< the score that the search maximises
   double upper_bound = 0;                   ///< no pose that is neither reported nor suppressed scores higher
   double gap = 0;                           ///< max(0, upper_bound - log_score)
+  double runner_up_margin =
+      0;  ///< score of the best pose minus the proven best score outside a ball around it; 0: unknown
   SearchStatus status = SearchStatus::kOptimal;
   std::array<double, 4> bbox{};  ///< x, y, width, height, pixels of the source image
 };
@@ -55,6 +59,13 @@ struct ObjectOutcome {
   double upper_bound = 0;  ///< of every pose that is neither reported nor suppressed by a reported one
   double threshold = 0;    ///< log score that a pose had to reach
   double coverage = 1;     ///< share of the feasible poses that the model's bins cover
+};
+
+/// Who said where the table is.
+enum class TableOrigin : std::uint8_t {
+  kFrame = 0,     ///< the source of the frames
+  kEstimate = 1,  ///< fitted to this frame's depth
+  kFixed = 2,     ///< the configuration
 };
 
 /// Seconds of each stage.
@@ -73,6 +84,8 @@ struct FrameResult {
   std::vector<PoseEstimate> estimates;  ///< by object, best first
   std::uint64_t nodes = 0;              ///< boxes that the search bounded
   StageSeconds seconds;
+  std::optional<TableGeometry> table;  ///< that the poses stand on; empty: no constraint
+  TableOrigin table_origin = TableOrigin::kFrame;
 };
 
 }  // namespace sextant
