@@ -37,8 +37,9 @@ class BopSource final : public FrameSource {
     }
     RgbdFrame frame = std::move(*pending_);
     pending_.reset();
-    frame.captured_at =
-        std::chrono::time_point_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now());
+    const CaptureStamp now = read_clocks();  // a recording has no live capture time
+    frame.captured_at = now.realtime;
+    frame.captured_monotonic = now.monotonic;
     frame.frame_id = frame_id_;
     const std::lock_guard lock(mutex_);
     if (closed_) return std::nullopt;
@@ -75,7 +76,7 @@ class BopSource final : public FrameSource {
       pending_ = load_frame(image);
     } catch (...) {
       const std::lock_guard lock(mutex_);
-      ++statistics_.dropped;
+      ++statistics_.drop(DropReason::kDamaged);
       ended_ = !loop_ && cursor_ == images_.size();
       throw;
     }

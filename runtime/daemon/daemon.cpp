@@ -39,6 +39,8 @@ class Reporter {
       const std::string more = held_back > 0 ? fmt::format(" ({} such lines held back)", held_back) : "";
       if (report.fate == FrameFate::kTooOld) {
         spdlog::warn("frame {}: result not published, {}{}", report.sequence, report.reason, more);
+      } else if (report.fate == FrameFate::kStale) {
+        spdlog::warn("frame {}: not searched, {}{}", report.sequence, report.reason, more);
       } else {
         spdlog::error("frame failed: {}{}", report.reason, more);
       }
@@ -55,9 +57,9 @@ class Reporter {
     const SourceStatistics s = source.statistics();
     const PublisherStatistics d = publisher.statistics();
     const std::string line = fmt::format(
-        "{} frames published; {} from the source ({} lost), {} dropped while waiting, {} too old, {} failed, "
-        "{} writes timed out",
-        p.published, s.delivered, s.dropped, p.dropped, p.too_old, p.failed, d.timeouts);
+        "{} frames published; {} from the source (dropped: {}), {} dropped while waiting, {} stale, {} too "
+        "old, {} failed, {} writes timed out",
+        p.published, s.delivered, describe_drops(s), p.dropped, p.stale, p.too_old, p.failed, d.timeouts);
     spdlog::info(line);
     notifier_.status(line);
   }

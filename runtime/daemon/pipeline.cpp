@@ -25,8 +25,11 @@ constexpr milliseconds kPauseAfterBadFrame{50};
 /// A stamp that is further ahead than this is no capture time of this machine's clock.
 constexpr double kLargestAdvanceMs = 1000;
 
-double age_ms(CaptureTime captured_at) {
-  return std::chrono::duration<double, std::milli>(std::chrono::system_clock::now() - captured_at).count();
+/// On the monotonic clock: a wall clock that is set makes no frame old.
+double age_ms(const RgbdFrame& frame) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
+                                                   frame.captured_monotonic)
+      .count();
 }
 
 }  // namespace
@@ -69,6 +72,7 @@ struct Pipeline::Impl {
       const std::lock_guard lock(mutex);
       if (frame.fate == FrameFate::kPublished) ++statistics.published;
       if (frame.fate == FrameFate::kTooOld) ++statistics.too_old;
+      if (frame.fate == FrameFate::kStale) ++statistics.stale;
       if (frame.fate == FrameFate::kFailed) ++statistics.failed;
     }
     const std::lock_guard lock(report_mutex);
@@ -118,15 +122,23 @@ struct Pipeline::Impl {
   }
 
   void work_on(const RgbdFrame& frame) {
-    if (frame.captured_at.time_since_epoch().count() <= 0) {
+    if (frame.captured_at.time_since_epoch().count() <= 0 ||
+        frame.captured_monotonic.time_since_epoch().count() <= 0) {
       throw InputError("source", "a frame has no capture time", "the source must stamp every frame");
     }
-    if (age_ms(frame.captured_at) < -kLargestAdvanceMs) {
+    const double waited_ms = age_ms(frame);
+    if (waited_ms < -kLargestAdvanceMs) {
       throw InputError("source", "a frame's capture time lies in the future", "check the clocks");
+    }
+    if (options.max_frame_age_ms > 0 && waited_ms > options.max_frame_age_ms) {
+      return end_once({FrameFate::kStale, frame.sequence, 0, waited_ms,
+                       fmt::format("{:.0f} ms old before it could be searched, allowed are {:.0f} "
+                                   "(pipeline.max_frame_age_ms)",
+                                   waited_ms, options.max_frame_age_ms)});
     }
     const FrameResult result = detect(frame);
     FrameReport story{FrameFate::kPublished, result.sequence, static_cast<int>(result.estimates.size()),
-                      age_ms(result.captured_at)};
+                      age_ms(frame)};
     if (story.age_ms > options.max_age_ms) {
       story.fate = FrameFate::kTooOld;
       story.reason = fmt::format("{:.0f} ms old, allowed are {:.0f} (pipeline.max_age_ms)", story.age_ms,
@@ -136,10 +148,14 @@ struct Pipeline::Impl {
       if (is_stopped()) return;
       publish(result);
     }
+    end_once(story);
+  }
+
+  /// Accounts for a frame; with `once`, one that came too late is the program's error.
+  void end_once(const FrameReport& story) {
     account(story);
-    if (options.once && story.fate == FrameFate::kTooOld) {
-      end_with(std::make_exception_ptr(
-          InputError("the frame's result", story.reason, "raise pipeline.max_age_ms")));
+    if (options.once && story.fate != FrameFate::kPublished) {
+      end_with(std::make_exception_ptr(InputError("the frame", story.reason, "raise the limit")));
     }
   }
 

@@ -21,16 +21,18 @@ using PublishFunction = std::function<void(const FrameResult&)>;
 
 /// How frames flow.
 struct PipelineOptions {
-  int queue_frames = 1;      ///< may wait for detection, 1..100
-  bool skip_none = false;    ///< take a frame only when detection is idle (for unpaced playback)
-  double max_age_ms = 1000;  ///< from capture to publication
-  bool once = false;         ///< end after the first frame, whatever became of it
+  int queue_frames = 1;         ///< may wait for detection, 1..100
+  bool skip_none = false;       ///< take a frame only when detection is idle (for unpaced playback)
+  double max_age_ms = 1000;     ///< from capture to publication
+  double max_frame_age_ms = 0;  ///< from capture to the begin of detection; 0: any
+  bool once = false;            ///< end after the first frame, whatever became of it
 };
 
 /// What became of a frame.
 enum class FrameFate : std::uint8_t {
   kPublished,
   kTooOld,  ///< detected, but older than max_age_ms
+  kStale,   ///< older than max_frame_age_ms before detection began
   kFailed,  ///< the source, the detector or the publisher refused it
 };
 
@@ -40,7 +42,7 @@ struct FrameReport {
   std::int64_t sequence = 0;
   int poses = 0;
   double age_ms = 0;     ///< from capture to the decision
-  std::string reason{};  ///< for kFailed, kTooOld
+  std::string reason{};  ///< for all but kPublished
 };
 
 /// Counts since the start.
@@ -48,6 +50,7 @@ struct PipelineStatistics {
   std::uint64_t dropped = 0;    ///< waiting frames that newer ones pushed out
   std::uint64_t published = 0;  ///< results
   std::uint64_t too_old = 0;    ///< results
+  std::uint64_t stale = 0;      ///< frames
   std::uint64_t failed = 0;     ///< frames
 };
 

@@ -44,7 +44,7 @@ TEST_F(BopSource, PlaysEveryImageOnceInOrder) {
               testing::ElementsAre(std::pair(1, 2), std::pair(1, 11), std::pair(10, 2), std::pair(10, 11)));
   EXPECT_FALSE(source->next(1ms).has_value());
   EXPECT_EQ(4U, source->statistics().delivered);
-  EXPECT_EQ(0U, source->statistics().dropped);
+  EXPECT_EQ(0U, source->statistics().dropped());
 }
 
 TEST_F(BopSource, SelectsSceneAndImage) {
@@ -104,7 +104,7 @@ TEST_F(BopSource, ABadImageIsAnErrorAndTheNextOnePlays) {
   EXPECT_EQ(2, source->next(1s)->image_id);
   EXPECT_THROW(source->next(1s), InputError);
   EXPECT_EQ(10, source->next(1s)->scene_id);
-  EXPECT_EQ(1U, source->statistics().dropped);
+  EXPECT_EQ(1U, source->statistics().dropped());
   write_text(folder_ / "test/000010/rgb/000011.png", "damaged");
   EXPECT_THROW(source->next(1s), InputError);
   EXPECT_EQ(SourceState::kEnded, source->state());

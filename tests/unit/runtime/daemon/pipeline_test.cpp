@@ -110,7 +110,7 @@ TEST(Pipeline, APacedSourceLosesTheOldestWhenDetectionIsLate) {
 
 TEST(Pipeline, OldResultsAreCountedAndNeverPublished) {
   ScriptedSource source(6, [](RgbdFrame& frame) {
-    if (frame.sequence % 2 == 1) frame.captured_at -= 10s;
+    if (frame.sequence % 2 == 1) shift_capture(frame, -10s);
   });
   Collector out;
   PipelineOptions options;
@@ -124,11 +124,36 @@ TEST(Pipeline, OldResultsAreCountedAndNeverPublished) {
   EXPECT_GE(out.reports[1].age_ms, 10000);
 }
 
+TEST(Pipeline, StaleFramesAreNeverSearched) {
+  ScriptedSource source(6, [](RgbdFrame& frame) {
+    if (frame.sequence % 2 == 1) shift_capture(frame, -10s);
+    // A wall clock that was set since makes no frame stale.
+    if (frame.sequence == 2) frame.captured_at -= 10s;
+  });
+  Collector out;
+  PipelineOptions options;
+  options.skip_none = true;
+  options.max_age_ms = 60000;
+  options.max_frame_age_ms = 5000;
+  std::vector<std::int64_t> searched;
+  const auto detect = [&](const RgbdFrame& frame) {
+    searched.push_back(frame.sequence);
+    return empty_result(frame);
+  };
+  const Pipeline pipeline(source, detect, out.publish(), options, out.report());
+  ASSERT_TRUE(pipeline.wait(kPatience));
+  EXPECT_THAT(searched, testing::ElementsAre(0, 2, 4));
+  EXPECT_THAT(out.published, testing::ElementsAre(0, 2, 4));
+  EXPECT_EQ(pipeline.statistics().stale, 3U);
+  EXPECT_EQ(out.reports[1].fate, FrameFate::kStale);
+  EXPECT_GE(out.reports[1].age_ms, 10000);
+}
+
 TEST(Pipeline, BadFramesAreCountedAndPassedOver) {
   ScriptedSource source(8, [](RgbdFrame& frame) {
     if (frame.sequence == 1) throw InputError("picture.png", "it is damaged", "replace it");
     if (frame.sequence == 2) frame.captured_at = {};
-    if (frame.sequence == 3) frame.captured_at += 1h;
+    if (frame.sequence == 3) shift_capture(frame, 1h);
   });
   Collector out;
   PipelineOptions options;
@@ -197,7 +222,7 @@ TEST(Pipeline, OnceTellsWhatWasWrong) {
     pipeline.rethrow_error();
   };
   EXPECT_THROW(run([](RgbdFrame&) { throw InputError("picture.png", "damaged"); }), InputError);
-  EXPECT_THROW(run([](RgbdFrame& frame) { frame.captured_at -= 1h; }), InputError);
+  EXPECT_THROW(run([](RgbdFrame& frame) { shift_capture(frame, -1h); }), InputError);
   EXPECT_THROW(run([](RgbdFrame& frame) { frame.captured_at = {}; }), InputError);
 }
 

@@ -29,7 +29,9 @@ class ScriptedSource : public FrameSource {
     RgbdFrame frame;
     frame.colour = cv::Mat::zeros(4, 4, CV_8UC3);
     frame.axial_depth_m = cv::Mat::ones(4, 4, CV_32FC1);
-    frame.captured_at = std::chrono::system_clock::now();
+    const CaptureStamp now = read_clocks();
+    frame.captured_at = now.realtime;
+    frame.captured_monotonic = now.monotonic;
     frame.sequence = sequence_++;
     frame.frame_id = "camera";
     ++statistics_.delivered;
@@ -63,6 +65,12 @@ class ScriptedSource : public FrameSource {
   bool closed_ = false;
   bool ends_ = true;
 };
+
+/// Moves a frame's capture on both clocks.
+inline void shift_capture(RgbdFrame& frame, std::chrono::nanoseconds by) {
+  frame.captured_at += by;
+  frame.captured_monotonic += by;
+}
 
 /// A detection that finds nothing: carries the frame's identity over.
 inline FrameResult empty_result(const RgbdFrame& frame) {
