@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "offline/cli/ask.h"
 #include "offline/cli/commands.h"
 #include "offline/cli/echo.h"
 #include "offline/cli/evaluate_command.h"
@@ -35,6 +36,7 @@ int main(int argc, char** argv) {
   sextant::add_evaluate_command(app, exit_code);
   sextant::add_synthesize_command(app, exit_code);
   sextant::add_echo_command(app, exit_code);
+  sextant::add_ask_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

@@ -122,7 +122,7 @@ struct Detector::Impl {
     return static_cast<int>(std::clamp(pixels, 2.0, 200.0));
   }
 
-  FrameResult detect(const RgbdFrame& frame) {
+  FrameResult detect(const RgbdFrame& frame, const DetectCall& call) {
     FrameResult result;
     result.captured_at = frame.captured_at;
     result.frame_id = frame.frame_id;
@@ -145,14 +145,20 @@ struct Detector::Impl {
     result.seconds.tables = seconds_since(tables_start);
 
     const auto search_start = Clock::now();
-    for (std::size_t i = 0; i < models.size(); ++i)
-      search(i, frame, rectified.camera, table, search_start, result);
+    std::vector<std::size_t> searched;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      if (!call.wanted || call.wanted(models[i].name)) searched.push_back(i);
+    }
+    for (std::size_t i = 0; i < searched.size(); ++i)
+      search(searched[i], searched.size() - i, call, frame, rectified.camera, table, search_start, result);
     result.seconds.search = seconds_since(search_start);
     result.seconds.total = seconds_since(start);
     return result;
   }
 
-  void search(std::size_t index, const RgbdFrame& frame, const PinholeCamera& camera,
+  /// objects_left: how many share what is left of the deadline, with this one.
+  void search(std::size_t index, std::size_t objects_left, const DetectCall& call, const RgbdFrame& frame,
+              const PinholeCamera& camera,
               const std::optional<TableGeometry>& table, Clock::time_point start, FrameResult& result) {
     const ObjectModel& model = models[index];
     const SearchedObject& object = objects[index];
@@ -161,14 +167,17 @@ struct Detector::Impl {
     const Constraint constraint(camera, options.min_distance_m, options.max_distance_m, standing);
     SearchOptions search_options;
     search_options.max_detections = options.max_detections;
-    search_options.threshold = object.threshold;
-    if (options.deadline_ms > 0) {
+    const auto threshold = call.thresholds.find(model.name);
+    search_options.threshold = threshold == call.thresholds.end() ? object.threshold : threshold->second;
+    const double deadline_ms = call.deadline_ms.value_or(options.deadline_ms);
+    search_options.expired = call.stop;
+    if (deadline_ms > 0) {
       // Every object gets its share of what is left.
-      const double left_ms = options.deadline_ms - 1e3 * seconds_since(start);
-      const double share_ms = left_ms / static_cast<double>(models.size() - index);
+      const double left_ms = deadline_ms - 1e3 * seconds_since(start);
+      const double share_ms = left_ms / static_cast<double>(objects_left);
       const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                           std::chrono::duration<double, std::milli>(share_ms));
-      search_options.expired = [end] { return Clock::now() >= end; };
+      search_options.expired = [end, &call] { return Clock::now() >= end || (call.stop && call.stop()); };
     }
     const SearchProblem problem{object.bins, tables, constraint, model.bounding_radius_m};
     const SearchOutcome outcome = options.bound == "thesis" ? thesis_search(problem, search_options)
@@ -179,7 +188,7 @@ struct Detector::Impl {
     summary.object_id = model.object_id;
     summary.object_name = model.name;
     summary.upper_bound = outcome.upper_bound;
-    summary.threshold = object.threshold;
+    summary.threshold = search_options.threshold;
     summary.coverage = constraint.coverage(model.bins);
     summary.status = !outcome.complete       ? SearchStatus::kBounded
                      : outcome.found.empty() ? SearchStatus::kAbsent
@@ -205,7 +214,9 @@ struct Detector::Impl {
 Detector::Detector(std::vector<ObjectModel> models, DetectOptions options)
     : impl_(std::make_unique<Impl>(std::move(models), std::move(options))) {}
 Detector::~Detector() = default;
-FrameResult Detector::detect(const RgbdFrame& frame) { return impl_->detect(frame); }
+FrameResult Detector::detect(const RgbdFrame& frame, const DetectCall& call) {
+  return impl_->detect(frame, call);
+}
 const std::vector<ObjectModel>& Detector::models() const { return impl_->models; }
 
 }  // namespace sextant

@@ -128,7 +128,7 @@ std::string to_text(const CommandAnswerMessage& message) {
   const auto& r = message.region;
   text += r[2] == 0 ? "\n  region: whole image" : fmt::format("\n  region: {} {} {} {}", r[0], r[1], r[2], r[3]);
   text += message.deadline_ms > 0 ? fmt::format("\n  deadline: {:.4g} ms", message.deadline_ms) : "\n  deadline: none";
-  if (message.look.header.stamp.sec != 0) text += "\n" + to_text(message.look);
+  if (message.look.header.stamp.sec != 0) text.append("\n").append(to_text(message.look));
   return text;
 }
 
