@@ -184,7 +184,7 @@ void run_daemon(FrameSource& source, const DetectFunction& detect, Publisher& pu
   Reporter reporter(run);
   if (run.pipeline.once && !wait_for_listener(publisher, signals, run.once_wait)) return;
   const auto publish = [&](const FrameResult& result, const RgbdFrame& frame) {
-    publisher.publish(result);
+    publisher.publish(result, std::chrono::duration<double>(Clock::now() - frame.captured_monotonic).count());
     if (run.draw && publisher.annotated_wanted()) publisher.publish_annotated(result, run.draw(frame, result));
     reporter.result(result);
   };

@@ -288,6 +288,7 @@ FrameResult DetectionService::detect(const RgbdFrame& frame) {
     CommandAnswer answer = answer_to(look.command, CommandResult::kDone,
                                      fmt::format("looked once: {} pose{}", poses, poses == 1 ? "" : "s"));
     answer.look = std::move(part);
+    answer.look_age_s = std::chrono::duration<double>(Clock::now() - frame.captured_monotonic).count();
     tell(look, std::move(answer));
   }
   if (waiting.empty()) return result;

@@ -64,6 +64,7 @@ struct CommandAnswer {
   ImageRegion region{};
   double deadline_ms = 0;
   std::optional<FrameResult> look{};  ///< of kLook
+  double look_age_s = 0;              ///< from its capture to the answer
 };
 
 }  // namespace sextant

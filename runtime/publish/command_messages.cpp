@@ -2,7 +2,6 @@
 #include "runtime/publish/command_messages.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -46,9 +45,7 @@ AnswerBuilder::AnswerBuilder(const CommandAnswer& answer) {
   message_.deadline_ms = answer.deadline_ms;
   message_.look.header.frame_id = message_.look.message = borrowed(empty_);
   if (answer.look) {
-    const CaptureTime now = std::chrono::system_clock::now();
-    look_ = std::make_unique<PoseEstimatesBuilder>(
-        *answer.look, std::chrono::duration<double>(now - answer.look->captured_at).count());
+    look_ = std::make_unique<PoseEstimatesBuilder>(*answer.look, answer.look_age_s);
     message_.look = look_->message();
   }
 }

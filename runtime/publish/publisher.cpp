@@ -107,9 +107,8 @@ Publisher::Publisher(PublisherOptions options, WarnFunction warn) : impl_(std::m
 
 Publisher::~Publisher() = default;
 
-void Publisher::publish(const FrameResult& result, CaptureTime now) {
+void Publisher::publish(const FrameResult& result, double age_s) {
   check_publishable(result);
-  const double age_s = std::chrono::duration<double>(now - result.captured_at).count();
   // Poses first, pictures last.
   if (impl_->pose_estimates.on()) {
     const PoseEstimatesBuilder builder(result, age_s);

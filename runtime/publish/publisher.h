@@ -54,9 +54,9 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// Writes the frame's messages; `now` only tells their age. Throws DeviceError when DDS fails and
-  /// std::logic_error for a result that must not leave the process (no stamp, not finite).
-  void publish(const FrameResult& result, CaptureTime now = std::chrono::system_clock::now());
+  /// Writes the frame's messages. age_s: from capture to now, on a clock that nobody sets. Throws DeviceError when
+  /// DDS fails and std::logic_error for a result that must not leave the process (no stamp, not finite).
+  void publish(const FrameResult& result, double age_s = 0);
   /// True while someone listens to the annotated image: only then is it worth drawing.
   bool annotated_wanted() const;
   /// Writes an image with the frame's stamp. `rgb`: CV_8UC3, RGB order.

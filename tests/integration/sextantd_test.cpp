@@ -260,6 +260,15 @@ TEST_F(Sextantd, WaitsForTheNetworkSaysSoAndRecovers) {
   EXPECT_EQ(daemon.wait(), 0);
 }
 
+TEST_F(Sextantd, PublishesOnWhenTheDiskOfTheLogIsFull) {
+  std::filesystem::create_symlink("/dev/full", folder_ / "stderr");
+  ChildProcess daemon = start({"--config", write_config("log: {level: debug}\n").string()});
+  EXPECT_TRUE(listen(reader_, [&] { return messages_.size() >= 6; }));
+  EXPECT_TRUE(daemon.running());
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0);
+}
+
 TEST_F(Sextantd, SigtermEndsItWhileItWaits) {
   setenv("CYCLONEDDS_URI",
          "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"no_such0\"/></Interfaces></General>"

@@ -84,7 +84,7 @@ TEST_F(Interop, EveryPublishedTypeArrivesWithItsContent) {
   ASSERT_TRUE(eventually([&] { return publisher.matched_readers() == 8; }));
   FrameResult sent = random_result(5, 3);
   sent.estimates[0].score = 1;
-  publisher.publish(sent, sent.captured_at + milliseconds(250));
+  publisher.publish(sent, 0.25);
 
   const Json native = take("pose_estimates", "sextant_msgs/PoseEstimateArray");
   expect_header(native["header"], sent);

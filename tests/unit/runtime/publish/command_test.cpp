@@ -75,6 +75,7 @@ TEST(Commands, ArriveEqualAndSoDoTheirAnswers) {
     answer.region = {1, 2, 300, 400};
     answer.deadline_ms = 250;
     answer.look = look;
+    answer.look_age_s = 0.5;
     return answer;
   });
   CommandClient client(domain.reading, {domain.name_space});
@@ -95,6 +96,7 @@ TEST(Commands, ArriveEqualAndSoDoTheirAnswers) {
   EXPECT_EQ(json["deadline_ms"], 250);
   EXPECT_EQ(json["look"]["estimates"].size(), 2U);
   EXPECT_EQ(json["look"]["estimates"][1]["log_score"], look.estimates[1].log_score);
+  EXPECT_EQ(json["look"]["age_s"], 0.5);
   EXPECT_THAT(answer->text, testing::HasSubstr("can (5): disabled, threshold auto"));
   ASSERT_EQ(daemon.commands.size(), 1U);
   EXPECT_EQ(daemon.commands[0].kind, CommandKind::kLook);
