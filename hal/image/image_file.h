@@ -30,8 +30,8 @@ cv::Mat read_colour_image(const std::filesystem::path& file);
 cv::Mat read_depth_image(const std::filesystem::path& file);
 
 /// Bytes of a PNG of a CV_8UC3 (RGB) or CV_16UC1 image with 1..kMaxImageSide pixels a side. The same image
-/// gives the same bytes.
-std::vector<std::byte> encode_png(const cv::Mat& image);
+/// gives the same bytes. compression: zlib's level, 0 (none) to 9; 1 is fast enough for a camera's frames.
+std::vector<std::byte> encode_png(const cv::Mat& image, int compression = 6);
 /// Writes encode_png(image) (renamed into place). Throws InputError(file) where it cannot.
 void write_png(const std::filesystem::path& file, const cv::Mat& image);
 

@@ -66,7 +66,7 @@ cv::Mat decode_png(std::span<const std::byte> bytes, const std::string& where) {
   return image;
 }
 
-std::vector<std::byte> encode_png(const cv::Mat& image) {
+std::vector<std::byte> encode_png(const cv::Mat& image, int compression) {
   const bool colour = image.type() == CV_8UC3;
   if ((!colour && image.type() != CV_16UC1) || image.empty() || image.cols > kMaxImageSide ||
       image.rows > kMaxImageSide) {
@@ -81,7 +81,11 @@ std::vector<std::byte> encode_png(const cv::Mat& image) {
   header.bit_depth = colour ? 8 : 16;
   header.color_type = colour ? SPNG_COLOR_TYPE_TRUECOLOR : SPNG_COLOR_TYPE_GRAYSCALE;
   int error = spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
-  if (!error) error = spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, 6);
+  if (!error) error = spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, compression);
+  // Choosing filters by line costs more than fast compression itself; one that suits images does as well.
+  if (!error && compression <= 1) {
+    error = spng_set_option(context.get(), SPNG_FILTER_CHOICE, SPNG_FILTER_CHOICE_SUB);
+  }
   if (!error) error = spng_set_ihdr(context.get(), &header);
   if (!error) {
     error = spng_encode_image(context.get(), packed.data, packed.total() * packed.elemSize(), SPNG_FMT_PNG,

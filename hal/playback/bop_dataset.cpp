@@ -24,36 +24,6 @@ constexpr double kMaxDistanceMm = 1e6;
 
 std::string image_label(int image) { return "image " + std::to_string(image); }
 
-/// Scene numbers and folders, ascending.
-std::vector<std::pair<int, fs::path>> list_scenes(const fs::path& split_folder, int wanted) {
-  std::error_code error;
-  fs::directory_iterator it(split_folder, error);
-  if (error) {
-    throw InputError(split_folder.string(),
-                     "this split of the data set cannot be opened (" + error.message() + ")",
-                     "give the folder that holds models/ and test/, and --split");
-  }
-  std::vector<std::pair<int, fs::path>> scenes;
-  for (; it != fs::directory_iterator(); it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    int number = -1;
-    const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), number);
-    if (bad != std::errc() || end != name.data() + name.size() || number < 0) continue;
-    if ((wanted < 0 || wanted == number) && it->is_directory(error)) scenes.emplace_back(number, it->path());
-  }
-  std::sort(scenes.begin(), scenes.end());
-  const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
-  if (const auto twice = std::adjacent_find(scenes.begin(), scenes.end(), same); twice != scenes.end()) {
-    throw InputError(split_folder.string(), fmt::format("scene {} is there twice", twice->first));
-  }
-  if (scenes.empty()) {
-    throw InputError(split_folder.string(),
-                     wanted < 0 ? std::string("holds no scene") : fmt::format("holds no scene {}", wanted),
-                     "scenes are folders with a number, e.g. 000001");
-  }
-  return scenes;
-}
-
 /// The first of the files that BOP allows for an image.
 fs::path find_image(const fs::path& scene, std::initializer_list<const char*> folders, int image) {
   for (const char* folder : folders) {
@@ -78,6 +48,10 @@ CameraModel read_camera(const JsonView& entry) {
     view.refuse("must be [fx, 0, cx, 0, fy, cy, 0, 0, 1]");
   }
   if (!(camera.fx > 0 && camera.fy > 0)) view.refuse("has a focal length that is not positive");
+  if (const auto distortion = entry.find("distortion")) {
+    const std::vector<double> d = distortion->numbers(camera.distortion.size());
+    std::copy(d.begin(), d.end(), camera.distortion.begin());
+  }
   return camera;
 }
 
@@ -173,6 +147,35 @@ void read_scene(int scene, const fs::path& folder, BopDataset& dataset) {
 }
 
 }  // namespace
+
+std::vector<std::pair<int, fs::path>> list_scenes(const fs::path& split_folder, int wanted) {
+  std::error_code error;
+  fs::directory_iterator it(split_folder, error);
+  if (error) {
+    throw InputError(split_folder.string(),
+                     "this split of the data set cannot be opened (" + error.message() + ")",
+                     "give the folder that holds models/ and test/, and --split");
+  }
+  std::vector<std::pair<int, fs::path>> scenes;
+  for (; it != fs::directory_iterator(); it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    int number = -1;
+    const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), number);
+    if (bad != std::errc() || end != name.data() + name.size() || number < 0) continue;
+    if ((wanted < 0 || wanted == number) && it->is_directory(error)) scenes.emplace_back(number, it->path());
+  }
+  std::sort(scenes.begin(), scenes.end());
+  const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
+  if (const auto twice = std::adjacent_find(scenes.begin(), scenes.end(), same); twice != scenes.end()) {
+    throw InputError(split_folder.string(), fmt::format("scene {} is there twice", twice->first));
+  }
+  if (scenes.empty()) {
+    throw InputError(split_folder.string(),
+                     wanted < 0 ? std::string("holds no scene") : fmt::format("holds no scene {}", wanted),
+                     "scenes are folders with a number, e.g. 000001");
+  }
+  return scenes;
+}
 
 BopDataset open_bop_dataset(const fs::path& folder, const std::string& split, int scene) {
   BopDataset dataset;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "runtime/frame/rgbd_frame.h"
@@ -25,9 +26,12 @@ struct BopGt {
 struct BopImage {
   int scene_id = 0;
   int image_id = 0;
-  std::filesystem::path colour;        ///< rgb/ or gray/, .png or .jpg; the first guess where none exists
-  std::filesystem::path depth;         ///< depth/, .png
-  CameraModel camera;                  ///< width and height are 0: load_frame takes them from the image
+  std::filesystem::path colour;  ///< rgb/ or gray/, .png or .jpg; the first guess where none exists
+  std::filesystem::path depth;   ///< depth/, .png
+  /// width and height are 0: load_frame takes them from the image. Lens distortion comes from our own key
+  /// "distortion" (8 numbers, OpenCV's order), which `sextant record` writes beside cam_K where there is
+  /// some.
+  CameraModel camera;
   double depth_scale_mm = 1;           ///< depth value * scale = mm along the optical axis
   std::optional<TableGeometry> table;  ///< scene_table.json
   std::vector<BopGt> ground_truth;     ///< in the order of scene_gt.json; empty without one
@@ -40,6 +44,11 @@ struct BopDataset {
   bool has_ground_truth = false;  ///< at least one scene has a scene_gt.json
   std::vector<BopImage> images;   ///< by scene, then image number
 };
+
+/// Scene numbers and folders of a split, ascending (wanted >= 0: that scene only). Throws InputError where
+/// the folder cannot be opened and where there is none.
+std::vector<std::pair<int, std::filesystem::path>> list_scenes(const std::filesystem::path& split_folder,
+                                                               int wanted);
 
 /// Reads the lists of every scene of folder/split (scene >= 0: of that scene only). Throws InputError naming
 /// file, image and key where a list is missing, damaged or contradictory, and where there is no image at all.

@@ -8,7 +8,10 @@
 namespace sextant {
 
 CLI::App* add_compile_command(CLI::App& app, int& exit_code);
+CLI::App* add_camera_command(CLI::App& app, int& exit_code);
 CLI::App* add_detect_command(CLI::App& app, int& exit_code);
+CLI::App* add_doctor_command(CLI::App& app, int& exit_code);
+CLI::App* add_record_command(CLI::App& app, int& exit_code);
 CLI::App* add_render_command(CLI::App& app, int& exit_code);
 
 }  // namespace sextant

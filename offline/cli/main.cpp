@@ -37,6 +37,9 @@ int main(int argc, char** argv) {
   sextant::add_synthesize_command(app, exit_code);
   sextant::add_echo_command(app, exit_code);
   sextant::add_ask_command(app, exit_code);
+  sextant::add_record_command(app, exit_code);
+  sextant::add_camera_command(app, exit_code);
+  sextant::add_doctor_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

@@ -20,6 +20,8 @@ namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 constexpr std::size_t kMostModels = 1000;
+/// An older frame shows where the object was.
+constexpr double kLargestLiveAgeMs = 100;
 
 TableSource table_source(const std::string& name) {
   if (name == "none") return TableSource::kNone;
@@ -66,7 +68,13 @@ unsigned domain_of(const DaemonConfig& config) {
 }  // namespace
 
 void check_config(const DaemonConfig& config, const std::string& where) {
-  if (config.source.dataset.empty()) {
+  check_live_config(config.live, config.source.kind, where);
+  check_table_config(config.table, config.detect.table, where);
+  if (is_live(config.source.kind) && config.detect.table == "frame" && config.table.source == "detect") {
+    throw InputError(where, "detect.table is frame, but a camera does not say where the table is",
+                     "set table.source, or use estimate, or fixed with the table_ keys");
+  }
+  if (!is_live(config.source.kind) && config.source.dataset.empty()) {
     throw InputError(where, "source.dataset is missing", "give the folder of a BOP data set");
   }
   if (config.models.files.empty()) {
@@ -82,15 +90,22 @@ void check_config(const DaemonConfig& config, const std::string& where) {
   check_topics(config, where);
 }
 
-BopSourceOptions source_options(const DaemonConfig& config) {
-  BopSourceOptions options;
-  options.dataset = (config.folder / config.source.dataset).lexically_normal();
-  options.split = config.source.split;
-  options.scene = config.source.scene;
-  options.image = config.source.image;
-  options.rate_hz = config.source.rate_hz;
-  options.loop = config.source.loop;
+SourceOptions source_options(const DaemonConfig& config) {
+  SourceOptions options;
+  options.kind = config.source.kind;
   options.frame_id = config.source.frame_id;
+  PlaybackOptions& playback = options.playback;
+  playback.dataset = (config.folder / config.source.dataset).lexically_normal();
+  playback.split = config.source.split;
+  playback.scene = config.source.scene;
+  playback.image = config.source.image;
+  playback.rate_hz = config.source.rate_hz;
+  playback.loop = config.source.loop;
+  playback.frame_id = config.source.frame_id;
+  if (!is_live(config.source.kind)) return options;
+  add_live_options(config.live, config.source.kind, options);
+  if (!config.live.rig.empty()) options.rig = (config.folder / config.live.rig).lexically_normal();
+  if (config.source.kind == "dds") options.dds.domain = domain_of(config);
   return options;
 }
 
@@ -113,10 +128,16 @@ DetectOptions detect_options(const DaemonConfig& config) {
   return options;
 }
 
+std::optional<TableLocatorOptions> table_options(const DaemonConfig& config) {
+  return locator_options(config.table, detect_options(config).fixed_table, domain_of(config));
+}
+
 PipelineOptions pipeline_options(const DaemonConfig& config) {
   PipelineOptions options;
   options.queue_frames = config.pipeline.queue_frames;
   options.max_age_ms = config.pipeline.max_age_ms;
+  const bool live = is_live(config.source.kind);
+  options.max_frame_age_ms = config.pipeline.max_frame_age_ms.value_or(live ? kLargestLiveAgeMs : 0);
   options.skip_none = config.source.kind == "playback" && config.source.rate_hz == 0;
   return options;
 }

@@ -74,9 +74,13 @@ class Reporter {
     if (waits && answered) notifier_.progress();
     if (waits == waits_) return;
     waits_ = waits;
-    const std::string line = waits ? "waiting: " + source.condition() : "frames are back";
-    spdlog::warn(line);
-    notifier_.status(line);
+    const std::string text = source.condition();
+    if (waits) {
+      spdlog::warn("waiting for frames: {}", text);
+    } else {
+      spdlog::info("frames come again: {}", text);
+    }
+    notifier_.status(waits ? "waiting for frames: " + text : "frames come");
   }
 
   void diagnostics(const Pipeline& pipeline, const FrameSource& source, Publisher& publisher) {

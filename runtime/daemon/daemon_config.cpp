@@ -27,7 +27,7 @@ constexpr char kTopicForm[] =
 }  // namespace
 
 std::vector<ConfigSection> config_sections() {
-  return {
+  std::vector<ConfigSection> sections{
       {"source", "Where frames come from."},
       {"models", "What to look for."},
       {"detect", "How to look: the same options as `sextant detect`."},
@@ -36,21 +36,28 @@ std::vector<ConfigSection> config_sections() {
       {"pipeline", "From frames to poses in time."},
       {"log", "Lines on stderr."},
   };
+  const std::vector<ConfigSection> live = live_sections();
+  sections.insert(sections.begin() + 1, table_section());
+  sections.insert(sections.begin() + 1, live.begin(), live.end());
+  return sections;
 }
 
 std::vector<ConfigField> config_fields(DaemonConfig& c) {
-  return {
+  std::vector<ConfigField> fields{
       {.section = "source",
        .key = "kind",
        .target = &c.source.kind,
-       .text =
-           "The kind of source. playback plays a BOP data set as if it were a camera; every frame is stamped "
-           "with the time at which it is played, because a recording has no live capture time.",
-       .choices = {"playback"}},
+       .text = "The kind of source. playback plays a data set as if it were a camera; every frame is stamped "
+               "with "
+               "the time at which it is played. v4l2: a colour and a depth camera of this machine; "
+               "libcamera: the "
+               "same, colour through libcamera; dds: the images of a ROS 2 camera driver.",
+       .choices = {"playback", "v4l2", "libcamera", "dds"}},
       {.section = "source",
        .key = "dataset",
        .target = &c.source.dataset,
-       .text = "Folder of the BOP data set. Relative paths start at this file's folder."},
+       .text = "playback: folder of the data set (BOP, TUM RGB-D, or a recording). Relative paths start at "
+               "this file's folder."},
       {.section = "source",
        .key = "split",
        .target = &c.source.split,
@@ -346,6 +353,15 @@ std::vector<ConfigField> config_fields(DaemonConfig& c) {
        .unit = "ms",
        .lowest = 10,
        .highest = 3600000},
+      {.section = "pipeline",
+       .key = "max_frame_age_ms",
+       .target = &c.pipeline.max_frame_age_ms,
+       .text =
+           "A frame that is older than this, from capture, when its search could begin is not searched but "
+           "counted as stale. auto: 100 for cameras, none for playback.",
+       .unit = "ms",
+       .lowest = 1,
+       .highest = 3600000},
       {.section = "log",
        .key = "level",
        .target = &c.log.level,
@@ -353,6 +369,9 @@ std::vector<ConfigField> config_fields(DaemonConfig& c) {
        .choices = {"debug", "info", "warn", "error"},
        .reloads = true},
   };
+  for (ConfigField& field : live_fields(c.live)) fields.push_back(std::move(field));
+  for (ConfigField& field : table_fields(c.table)) fields.push_back(std::move(field));
+  return fields;
 }
 
 }  // namespace sextant

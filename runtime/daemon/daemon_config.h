@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "hal/playback/bop_source.h"
+#include "hal/sources/open_source.h"
 #include "runtime/daemon/config_field.h"
+#include "runtime/daemon/live_config.h"
 #include "runtime/daemon/pipeline.h"
+#include "runtime/daemon/table_config.h"
 #include "runtime/detect/detector.h"
 #include "runtime/publish/command_server.h"
 #include "runtime/publish/publisher.h"
@@ -30,6 +32,9 @@ struct DaemonConfig {
     bool loop = false;
     std::string frame_id = "camera_color_optical_frame";
   } source;
+
+  LiveConfig live;
+  TableConfig table;
 
   struct Models {
     std::vector<std::string> files;
@@ -80,6 +85,7 @@ struct DaemonConfig {
   struct Flow {
     int queue_frames = PipelineOptions().queue_frames;
     double max_age_ms = PipelineOptions().max_age_ms;
+    std::optional<double> max_frame_age_ms;
   } pipeline;
 
   struct Log {
@@ -95,8 +101,10 @@ std::vector<ConfigField> config_fields(DaemonConfig& config);
 void check_config(const DaemonConfig& config, const std::string& where);
 
 /// The parts' own options.
-BopSourceOptions source_options(const DaemonConfig& config);
+SourceOptions source_options(const DaemonConfig& config);
 DetectOptions detect_options(const DaemonConfig& config);
+/// Nothing where detect.table says where the table is.
+std::optional<TableLocatorOptions> table_options(const DaemonConfig& config);
 PipelineOptions pipeline_options(const DaemonConfig& config);
 /// object_shapes stays empty. Throws UsageError where ROS_DOMAIN_ID is needed and no number.
 PublisherOptions publisher_options(const DaemonConfig& config);

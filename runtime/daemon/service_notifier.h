@@ -16,7 +16,8 @@ class ServiceNotifier {
   void ready() const;
   /// The configuration is read again; ready() follows.
   void reloading() const;
-  /// A frame passed. The watchdog lives on nothing else: when frames stop, systemd restarts the service.
+  /// A frame passed, or the source waits for a device that is away. The watchdog lives on nothing else: when
+  /// frames stop without a reason, systemd restarts the service.
   void progress();
   /// Before there is a pipeline: still trying to get at a device or the network.
   void alive() const;

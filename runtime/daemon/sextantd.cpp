@@ -8,9 +8,11 @@
 #include <cstdlib>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
-#include "hal/playback/bop_source.h"
+#include "hal/sources/open_source.h"
+#include "hal/table/table_locator.h"
 #include "runtime/base/error.h"
 #include "runtime/base/rate_limiter.h"
 #include "runtime/base/version.h"
@@ -126,7 +128,7 @@ void run(const std::string& file, const DaemonConfig& config, bool once, SignalW
   if (!publisher) return;
   spdlog::info("publishing on DDS domain {}", publishing.domain);
   const std::unique_ptr<FrameSource> source =
-      open_patiently([&] { return open_bop_source(source_options(config)); }, once, signals);
+      open_patiently([&] { return open_source(source_options(config)); }, once, signals);
   if (!source) return;
 
   RunningConfig running(file, config);
@@ -160,8 +162,15 @@ void run(const std::string& file, const DaemonConfig& config, bool once, SignalW
     spdlog::shutdown();
     std::_Exit(static_cast<int>(ExitCode::kDone));
   };
-  run_daemon(
-      *source, [&](const RgbdFrame& frame) { return service.detect(frame); }, *publisher, signals, options);
+  std::optional<TableLocator> locator;
+  if (const auto table = table_options(config)) locator.emplace(*table);
+  const auto detect = [&](const RgbdFrame& frame) {
+    if (!locator) return service.detect(frame);
+    RgbdFrame located = frame;  // shares the pixels
+    locator->locate(located);
+    return service.detect(located);
+  };
+  run_daemon(*source, detect, *publisher, signals, options);
 }
 
 int run_program(const Arguments& arguments) {

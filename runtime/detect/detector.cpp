@@ -72,10 +72,11 @@ struct Detector::Impl {
   DetectOptions options;
   std::vector<SearchedObject> objects;
   WorkerPool pool;
+  Rectifier rectifier;
   FrameTables tables;
 
   Impl(std::vector<ObjectModel> m, DetectOptions o)
-      : models(std::move(m)), options(std::move(o)), pool(options.threads) {
+      : models(std::move(m)), options(std::move(o)), pool(options.threads), rectifier(options.search_width) {
     check(options);
     if (models.empty()) throw UsageError("no model to look for", "give at least one compiled model");
     const Scoring scoring = scoring_from_name(options.scoring);
@@ -91,25 +92,30 @@ struct Detector::Impl {
     }
   }
 
-  std::optional<TableGeometry> table_for(const RgbdFrame& frame, const SearchFrame& rectified) const {
+  /// The table, with the tolerance of the search widened by what is not known of it.
+  struct SearchedTable {
+    TableGeometry table;
+    TableTolerance tolerance;
+  };
+
+  std::optional<SearchedTable> table_for(const RgbdFrame& frame, const SearchFrame& rectified) const {
     const std::string where = "image " + std::to_string(frame.image_id);
     switch (options.table) {
       case TableSource::kNone:
         return std::nullopt;
       case TableSource::kFixed:
-        return options.fixed_table;
+        return SearchedTable{options.fixed_table, options.tolerance};
       case TableSource::kFrame:
         if (!frame.table) {
           throw InputError(where, "the frame does not say where the table is",
                            "add scene_table.json, or use a table estimate, fixed values, or none");
         }
-        return frame.table;
+        return SearchedTable{
+            *frame.table, widened(options.tolerance, frame.table_uncertainty.value_or(TableUncertainty{}))};
       case TableSource::kEstimate: {
         const auto estimate = estimate_table(rectified);
-        if (!estimate) {
-          throw InputError(where, "no table is visible in the depth image", "point the camera at the table");
-        }
-        return estimate->table;
+        if (!estimate) throw InputError(where, "no table", estimate.error().reason);
+        return SearchedTable{estimate->table, widened(options.tolerance, estimate->uncertainty)};
       }
     }
     return std::nullopt;
@@ -131,11 +137,11 @@ struct Detector::Impl {
     result.image_id = frame.image_id;
 
     const auto start = Clock::now();
-    const SearchFrame rectified = sextant::rectified(frame, options.search_width);
+    const SearchFrame rectified = rectifier.rectified(frame);
     const cv::Mat edges = edges_by_direction(rectified.colour);
-    const std::optional<TableGeometry> table = table_for(frame, rectified);
+    const std::optional<SearchedTable> table = table_for(frame, rectified);
     result.seconds.features = seconds_since(start);
-    result.table = table;
+    if (table) result.table = table->table;
     result.table_origin = options.table == TableSource::kEstimate ? TableOrigin::kEstimate
                           : options.table == TableSource::kFixed  ? TableOrigin::kFixed
                                                                   : TableOrigin::kFrame;
@@ -158,12 +164,12 @@ struct Detector::Impl {
 
   /// objects_left: how many share what is left of the deadline, with this one.
   void search(std::size_t index, std::size_t objects_left, const DetectCall& call, const RgbdFrame& frame,
-              const PinholeCamera& camera,
-              const std::optional<TableGeometry>& table, Clock::time_point start, FrameResult& result) {
+              const PinholeCamera& camera, const std::optional<SearchedTable>& table, Clock::time_point start,
+              FrameResult& result) {
     const ObjectModel& model = models[index];
     const SearchedObject& object = objects[index];
     std::optional<TableConstraint> standing;
-    if (table) standing = TableConstraint{*table, options.tolerance, model.centre_height_m};
+    if (table) standing = TableConstraint{table->table, table->tolerance, model.centre_height_m};
     const Constraint constraint(camera, options.min_distance_m, options.max_distance_m, standing);
     SearchOptions search_options;
     search_options.max_detections = options.max_detections;

@@ -18,9 +18,10 @@ struct RgbdFrame {
   cv::Mat colour;         ///< CV_8UC3, RGB order
   cv::Mat axial_depth_m;  ///< CV_32FC1, metres along the optical axis; 0 = missing
   CameraModel camera;
-  std::optional<TableGeometry> table;  ///< camera over table, where the source knows it
-  CaptureTime captured_at{};           ///< on the wall clock, for messages
-  MonotonicTime captured_monotonic{};  ///< the same instant, for ages
+  std::optional<TableGeometry> table;                 ///< camera over table, where the source knows it
+  std::optional<TableUncertainty> table_uncertainty;  ///< of `table`; empty: taken as exact
+  CaptureTime captured_at{};                          ///< on the wall clock, for messages
+  MonotonicTime captured_monotonic{};                 ///< the same instant, for ages
   std::int64_t sequence = 0;
   std::int64_t scene_id = 0;  ///< BOP scene and image number for data sets, else 0
   std::int64_t image_id = 0;

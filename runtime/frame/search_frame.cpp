@@ -2,6 +2,7 @@
 #include "runtime/frame/search_frame.h"
 
 #include <cmath>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
@@ -41,36 +42,94 @@ cv::Mat source_pixels(const CameraModel& source, const PinholeCamera& ideal) {
   return map;
 }
 
-void axial_to_ray(const PinholeCamera& camera, cv::Mat& depth) {
+/// Pixels of an image as pixels of the same image resized to `to`.
+cv::Mat in_resized(const cv::Mat& pixels, cv::Size from, cv::Size to) {
+  const cv::Vec2d scale(static_cast<double>(to.width) / from.width,
+                        static_cast<double>(to.height) / from.height);
+  cv::Mat out(pixels.size(), CV_32FC2);
+  for (int y = 0; y < pixels.rows; ++y) {
+    const auto* in = pixels.ptr<cv::Vec2f>(y);
+    auto* row = out.ptr<cv::Vec2f>(y);
+    for (int x = 0; x < pixels.cols; ++x) {
+      for (int k = 0; k < 2; ++k) row[x][k] = static_cast<float>((in[x][k] + 0.5) * scale[k] - 0.5);
+    }
+  }
+  return out;
+}
+
+cv::Mat ray_from_axial(const PinholeCamera& camera) {
+  cv::Mat factor(camera.height, camera.width, CV_32FC1);
   for (int y = 0; y < camera.height; ++y) {
-    auto* row = depth.ptr<float>(y);
-    const double py = (y - camera.cy) / camera.focal;
+    auto* row = factor.ptr<float>(y);
     for (int x = 0; x < camera.width; ++x) {
-      const double px = (x - camera.cx) / camera.focal;
-      const bool usable = std::isfinite(row[x]) && row[x] > 0;
-      row[x] = usable ? static_cast<float>(row[x] * std::sqrt(1 + px * px + py * py)) : 0.0F;
+      const Eigen::Vector2d t = camera.tangent(x, y);
+      row[x] = static_cast<float>(std::sqrt(1 + t.squaredNorm()));
+    }
+  }
+  return factor;
+}
+
+/// depth becomes depth * factor, and 0 where it is missing.
+void scale_depth(const cv::Mat& factor, cv::Mat& depth) {
+  for (int y = 0; y < depth.rows; ++y) {
+    auto* row = depth.ptr<float>(y);
+    const auto* scale = factor.ptr<float>(y);
+    for (int x = 0; x < depth.cols; ++x) {
+      // Written so that a NaN is missing.
+      const bool usable = (row[x] > 0) & (row[x] < std::numeric_limits<float>::max());
+      row[x] = usable ? row[x] * scale[x] : 0.0F;
     }
   }
 }
 
+bool same(const CameraModel& a, const CameraModel& b) {
+  return a.width == b.width && a.height == b.height && a.fx == b.fx && a.fy == b.fy && a.cx == b.cx &&
+         a.cy == b.cy && a.distortion == b.distortion;
+}
+
 }  // namespace
 
-SearchFrame rectified(const RgbdFrame& frame, int width_out) {
-  check(frame);
-  SearchFrame out;
-  out.camera = frame.camera.ideal(width_out);
-  const bool as_is = frame.camera.is_ideal() && out.camera.width == frame.camera.width;
-  if (as_is) {
-    out.colour = frame.colour;
-    out.ray_depth_m = frame.axial_depth_m.clone();
-  } else {
-    const cv::Mat map = source_pixels(frame.camera, out.camera);
-    cv::remap(frame.colour, out.colour, map, cv::Mat(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-    cv::remap(frame.axial_depth_m, out.ray_depth_m, map, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
-              0);
-  }
-  axial_to_ray(out.camera, out.ray_depth_m);
+void Rectifier::prepare(const CameraModel& source) {
+  if (same(source, source_)) return;
+  source_ = source;
+  ideal_ = source.ideal(width_out_);
+  ray_from_axial_ = ray_from_axial(ideal_);
+  as_is_ = source.is_ideal() && ideal_.width == source.width;
+  if (as_is_) return;
+  depth_map_ = source_pixels(source, ideal_);
+  // Below three quarters of the size, interpolation alone would skip source pixels.
+  shrinks_ = 4 * ideal_.width <= 3 * source.width;
+  colour_map_ = shrinks_
+                    ? in_resized(depth_map_, {source.width, source.height}, {ideal_.width, ideal_.height})
+                    : depth_map_;
+}
+
+cv::Mat Rectifier::rectified_colour(const CameraModel& camera, const cv::Mat& colour) {
+  prepare(camera);
+  if (as_is_) return colour;
+  cv::Mat source = colour;
+  if (shrinks_) cv::resize(colour, source, {ideal_.width, ideal_.height}, 0, 0, cv::INTER_AREA);
+  cv::Mat out;
+  cv::remap(source, out, colour_map_, cv::Mat(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return out;
 }
+
+SearchFrame Rectifier::rectified(const RgbdFrame& frame) {
+  check(frame);
+  prepare(frame.camera);
+  SearchFrame out;
+  out.camera = ideal_;
+  out.colour = rectified_colour(frame.camera, frame.colour);
+  if (as_is_) {
+    out.ray_depth_m = frame.axial_depth_m.clone();
+  } else {
+    cv::remap(frame.axial_depth_m, out.ray_depth_m, depth_map_, cv::Mat(), cv::INTER_NEAREST,
+              cv::BORDER_CONSTANT, 0);
+  }
+  scale_depth(ray_from_axial_, out.ray_depth_m);
+  return out;
+}
+
+SearchFrame rectified(const RgbdFrame& frame, int width_out) { return Rectifier(width_out).rectified(frame); }
 
 }  // namespace sextant

@@ -16,9 +16,34 @@ struct SearchFrame {
   PinholeCamera camera;
 };
 
-/// Rectifies lens distortion and fx != fy, resamples to width_out (0: keep) and converts axial to ray depth:
-/// d = Z sqrt(1 + px^2 + py^2). Colour is interpolated, depth never (nearest sample).
-/// Throws InputError where images are empty, of the wrong type, or do not match the calibration.
+/// Rectifies frames one after another. What depends on the calibration alone is kept from frame to frame and
+/// made anew when the calibration changes; the result is the same as that of a fresh one.
+class Rectifier {
+ public:
+  /// width_out: of the search frame, 0 keeps the frame's.
+  explicit Rectifier(int width_out = 0) : width_out_(width_out) {}
+
+  /// Rectifies lens distortion and fx != fy, resamples, and converts axial to ray depth:
+  /// d = Z sqrt(1 + px^2 + py^2). Colour is interpolated (averaged where it is shrunk), depth never (nearest
+  /// sample). Throws InputError where images are empty, of the wrong type, or do not match the calibration.
+  SearchFrame rectified(const RgbdFrame& frame);
+  /// A colour image (CV_8UC3 of the calibration's size) alone, as the frame's would be. May share its pixels.
+  cv::Mat rectified_colour(const CameraModel& camera, const cv::Mat& colour);
+
+ private:
+  void prepare(const CameraModel& source);
+
+  int width_out_;
+  CameraModel source_;  ///< what the members below were made for
+  PinholeCamera ideal_;
+  bool as_is_ = false;      ///< pixels are those of the ideal camera already
+  bool shrinks_ = false;    ///< colour is averaged down before it is moved
+  cv::Mat colour_map_;      ///< CV_32FC2: for each ideal pixel, the pixel of the (shrunk) source
+  cv::Mat depth_map_;       ///< CV_32FC2: the same for the source itself
+  cv::Mat ray_from_axial_;  ///< CV_32FC1
+};
+
+/// One frame: Rectifier(width_out).rectified(frame).
 SearchFrame rectified(const RgbdFrame& frame, int width_out = 0);
 
 }  // namespace sextant

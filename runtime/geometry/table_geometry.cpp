@@ -57,6 +57,12 @@ Interval atan2_over(Interval y, Interval x) {
 
 }  // namespace
 
+TableTolerance widened(const TableTolerance& tolerance, const TableUncertainty& uncertainty) {
+  constexpr double kDeviations = 2;
+  return {tolerance.height_m + kDeviations * uncertainty.surface_m,
+          tolerance.angle_rad + kDeviations * uncertainty.tilt_rad};
+}
+
 TableGeometry TableGeometry::from_pitch_roll(double pitch_rad, double roll_rad, double camera_height_m) {
   return {{-std::sin(roll_rad) * std::cos(pitch_rad), -std::cos(roll_rad) * std::cos(pitch_rad),
            -std::sin(pitch_rad)},

@@ -22,11 +22,23 @@ struct TableGeometry {
   double roll_rad() const;
 };
 
+/// How well a TableGeometry is known: one standard deviation each.
+struct TableUncertainty {
+  double height_m = 0;  ///< of the camera's height above the plane
+  double pitch_rad = 0;
+  double roll_rad = 0;   ///< large where the camera looks straight down: roll has no meaning there
+  double tilt_rad = 0;   ///< of the normal, in its worst direction
+  double surface_m = 0;  ///< of the plane's height where it was seen, at its worst point
+};
+
 /// Tolerances of the table constraint (thesis table 6.3: 0.0135 m, 12 deg).
 struct TableTolerance {
   double height_m = 0.0135;               ///< of the object's centre above the table
   double angle_rad = 0.2094395102393195;  ///< of rx and of ry
 };
+
+/// The tolerance for a table that is itself uncertain: wider by twice the surface's and the tilt's deviation.
+TableTolerance widened(const TableTolerance& tolerance, const TableUncertainty& uncertainty);
 
 /// What the table demands at one pixel.
 struct UprightPose {

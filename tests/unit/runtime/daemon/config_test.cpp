@@ -48,8 +48,9 @@ TEST(ShippedConfig, IsExactlyTheReferenceOfItsOwnValues) {
 
 TEST(ShippedConfig, PlaysTheBundledSampleInALoop) {
   const DaemonConfig config = read_config(kShipped);
-  EXPECT_EQ(source_options(config).dataset, std::filesystem::path(SEXTANT_SOURCE_DIR) / "data/sample");
-  EXPECT_TRUE(source_options(config).loop);
+  EXPECT_EQ(source_options(config).playback.dataset,
+            std::filesystem::path(SEXTANT_SOURCE_DIR) / "data/sample");
+  EXPECT_TRUE(source_options(config).playback.loop);
   EXPECT_EQ(config.models.files, std::vector<std::string>{"../build/models/*.sxm"});
 }
 
@@ -95,7 +96,7 @@ TEST(Config, ValuesReachTheParts) {
       "  marker_shape: box, annotated: \"\"}\n"
       "commands: {command: \"\"}\n"
       "pipeline: {queue_frames: 5, max_age_ms: 2000}\n");
-  const BopSourceOptions source = source_options(config);
+  const PlaybackOptions source = source_options(config).playback;
   EXPECT_EQ(source.dataset, "/data");
   EXPECT_EQ(source.split, "train");
   EXPECT_EQ(source.scene, 3);
@@ -200,6 +201,47 @@ TEST(Config, FoldersOfModelsAreThoseOfThePatterns) {
   config.models.files = {"models/*.sxm", "models/mug.sxm", "/opt/more/can.sxm"};
   EXPECT_THAT(model_folders(config),
               testing::ElementsAre(std::filesystem::path("/etc/sextant/models"), std::filesystem::path("/opt/more")));
+}
+
+constexpr char kCameras[] =
+    "source: {kind: v4l2}\nmodels: {files: [m.sxm]}\ndetect: {table: estimate}\n"
+    "colour: {device: usb-Maker_Cam-video-index0, format: MJPG, rate_hz: 15, controls: [\"gain=16\"]}\n"
+    "depth: {device: \"serial:7\"}\nlive: {rig: rig.yaml, max_age_ms: 80, watchdog_ms: 500, buffers: 6}\n";
+
+TEST(Config, CamerasReachTheirSource) {
+  const DaemonConfig config = parse(kCameras);
+  const SourceOptions source = source_options(config);
+  EXPECT_EQ(source.kind, "v4l2");
+  EXPECT_EQ(source.rig, config.folder / "rig.yaml");
+  EXPECT_EQ(source.max_age, std::chrono::milliseconds(80));
+  EXPECT_EQ(source.colour.device, "usb-Maker_Cam-video-index0");
+  EXPECT_EQ(source.colour.format, "MJPG");
+  EXPECT_EQ(source.colour.rate_hz, 15);
+  EXPECT_THAT(source.colour.controls, testing::ElementsAre("gain=16"));
+  EXPECT_EQ(source.colour.buffers, 6);
+  EXPECT_EQ(source.depth.device, "serial:7");
+  EXPECT_EQ(source.depth.watchdog, std::chrono::milliseconds(500));
+  EXPECT_TRUE(source.depth.wait_for_device);
+  const PipelineOptions pipeline = pipeline_options(config);
+  EXPECT_FALSE(pipeline.skip_none);
+  EXPECT_EQ(pipeline.max_frame_age_ms, 100);
+  EXPECT_EQ(pipeline_options(parse(kMinimal)).max_frame_age_ms, 0);
+  EXPECT_EQ(config_reference(parse(config_reference(config))), config_reference(config));
+}
+
+TEST(Config, CamerasAreCheckedBeforeTheyAreOpened) {
+  const auto but = [](const std::string& from, const std::string& to) {
+    std::string text = kCameras;
+    return error_of(text.replace(text.find(from), from.size(), to));
+  };
+  EXPECT_THAT(but("serial:7", ""), HasSubstr("depth.device is missing"));
+  EXPECT_THAT(but("serial:7", "usb-Maker_Cam-video-index0"), HasSubstr("are the same"));
+  EXPECT_THAT(but("MJPG", "Z16"), HasSubstr("colour.format Z16 holds no colour"));
+  EXPECT_THAT(but("MJPG", "H264"), HasSubstr("the name of a format"));
+  EXPECT_THAT(but("rig: rig.yaml, ", ""), HasSubstr("live.rig is missing"));
+  EXPECT_THAT(but("table: estimate", "table: frame"), HasSubstr("does not say where the table is"));
+  EXPECT_THAT(but("kind: v4l2", "kind: dds"), HasSubstr("colour.topic is missing"));
+  EXPECT_THAT(but("kind: v4l2", "kind: webcam"), HasSubstr("one of playback, v4l2, libcamera, dds"));
 }
 
 TEST(Config, ModelPatternsAreExpandedOnceEach) {

@@ -73,6 +73,26 @@ TEST_F(Daemon, TheWatchdogStarvesWhenFramesFail) {
   EXPECT_THAT(notify_.messages(), testing::Not(testing::Contains("WATCHDOG=1")));
 }
 
+TEST_F(Daemon, LivesOnWhileItsCameraIsAway) {
+  ScriptedSource source(0);
+  source.lose_device();
+  Publisher publisher(publishing());
+  std::vector<std::string> messages;
+  std::atomic<bool> fed = false;
+  std::thread reader([&] {
+    // What systemd would read; the signal comes when its watchdog has been fed without a single frame.
+    while (!fed) {
+      for (std::string& message : notify_.messages()) messages.push_back(std::move(message));
+      fed = std::find(messages.begin(), messages.end(), "WATCHDOG=1") != messages.end();
+    }
+    kill(getpid(), SIGTERM);
+  });
+  run_daemon(source, empty_result, publisher, signals_, run_);
+  reader.join();
+  EXPECT_EQ(publisher.statistics().published, 0U);
+  EXPECT_THAT(messages, testing::Contains("STATUS=waiting for frames: the scripted device is away"));
+}
+
 TEST_F(Daemon, EndsOnSigtermAndSigint) {
   for (const int signal : {SIGTERM, SIGINT}) {
     ScriptedSource source(1000000, [](RgbdFrame&) { std::this_thread::sleep_for(5ms); });

@@ -41,7 +41,8 @@ class ScriptedSource : public FrameSource {
   }
   SourceState state() const override {
     const std::lock_guard lock(mutex_);
-    return closed_ || (ends_ && sequence_ >= frames_) ? SourceState::kEnded : SourceState::kRunning;
+    if (closed_ || (ends_ && sequence_ >= frames_)) return SourceState::kEnded;
+    return waits_ && sequence_ >= frames_ ? SourceState::kWaiting : SourceState::kRunning;
   }
   SourceStatistics statistics() const override {
     const std::lock_guard lock(mutex_);
@@ -52,8 +53,14 @@ class ScriptedSource : public FrameSource {
     closed_ = true;
     changed_.notify_all();
   }
+  std::string condition() const override { return "the scripted device is away"; }
   /// Never ends by itself.
   void run_forever() { ends_ = false; }
+  /// After its frames it waits for its device, for ever.
+  void lose_device() {
+    ends_ = false;
+    waits_ = true;
+  }
 
  private:
   const std::int64_t frames_;
@@ -64,6 +71,7 @@ class ScriptedSource : public FrameSource {
   SourceStatistics statistics_;
   bool closed_ = false;
   bool ends_ = true;
+  bool waits_ = false;
 };
 
 /// Moves a frame's capture on both clocks.

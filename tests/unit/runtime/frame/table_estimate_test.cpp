@@ -5,6 +5,9 @@
 
 #include <cmath>
 #include <random>
+#include <string>
+
+#include "runtime/base/error.h"
 
 namespace sextant {
 namespace {
@@ -62,6 +65,165 @@ TEST(TableEstimate, IsDeterministic) {
   ASSERT_TRUE(a && b);
   EXPECT_EQ(a->table.camera_height_m, b->table.camera_height_m);
   EXPECT_EQ(a->table.up_in_camera, b->table.up_in_camera);
+}
+
+TEST(TableEstimate, SaysWhyThereIsNone) {
+  SearchFrame f = table_scene(TableGeometry::from_pitch_roll(0.7, 0, 0.8), 3, 0.8);
+  f.ray_depth_m.setTo(0);
+  EXPECT_NE(estimate_table(f).error().reason.find("0 of"), std::string::npos);
+  f = table_scene(TableGeometry::from_pitch_roll(0.7, 0, 0.8), 3, 0.8);
+  TableEstimateOptions options;
+  options.lowest_m = 1.0;
+  options.highest_m = 1.2;
+  EXPECT_FALSE(estimate_table(f, options).has_value());
+  options = {};
+  options.up_in_camera = TableGeometry::from_pitch_roll(0.1, 0.2, 1).up_in_camera;
+  EXPECT_FALSE(estimate_table(f, options).has_value());
+}
+
+/// A wall that fills most of the image above a narrow strip of table.
+SearchFrame wall_over_table(const TableGeometry& table, double wall_m) {
+  SearchFrame f;
+  f.camera = {320, 240, 262, 159.5, 119.5};
+  f.ray_depth_m = cv::Mat::zeros(240, 320, CV_32FC1);
+  std::mt19937 random(2);
+  std::normal_distribution<double> noise(0, 0.0015);
+  const Eigen::Vector3d& up = table.up_in_camera;
+  const Eigen::Vector3d away = (Eigen::Vector3d::UnitZ() - up * up.z()).normalized();
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      const Eigen::Vector3d ray = f.camera.ray(x, y);
+      const double sine = -up.dot(ray);
+      double d = sine > 0.01 ? table.camera_height_m / sine : 1e9;
+      d = std::min(d, wall_m / away.dot(ray));
+      if (d < 4) f.ray_depth_m.at<float>(y, x) = static_cast<float>(d + noise(random));
+    }
+  }
+  return f;
+}
+
+TEST(TableEstimate, GravityTellsTheTableFromTheWall) {
+  const TableGeometry truth = TableGeometry::from_pitch_roll(0.35, 0.02, 0.5);
+  const SearchFrame f = wall_over_table(truth, 0.9);
+  TableEstimateOptions options;
+  options.up_in_camera = TableGeometry::from_pitch_roll(0.40, -0.03, 1).up_in_camera;  // 3 deg off
+  const auto e = estimate_table(f, options);
+  ASSERT_TRUE(e.has_value()) << e.error().reason;
+  EXPECT_NEAR(e->table.camera_height_m, truth.camera_height_m, 0.004);
+  EXPECT_NEAR(e->table.pitch_rad(), truth.pitch_rad(), 0.006);
+  // Also without: a wall faces a camera that looks down from above the horizon, a table never does.
+  const auto without = estimate_table(f);
+  ASSERT_TRUE(without.has_value()) << without.error().reason;
+  EXPECT_NEAR(without->table.camera_height_m, truth.camera_height_m, 0.004);
+}
+
+TEST(TableEstimate, GravityAllowsACameraUpsideDown) {
+  const TableGeometry truth = TableGeometry::from_pitch_roll(0.8, 3.1, 0.7);
+  const SearchFrame f = table_scene(truth, 4, 0.8);
+  TableEstimateOptions options;
+  options.up_in_camera = truth.up_in_camera;
+  const auto e = estimate_table(f, options);
+  ASSERT_TRUE(e.has_value()) << e.error().reason;
+  EXPECT_NEAR(e->table.camera_height_m, truth.camera_height_m, 0.004);
+}
+
+/// Left half at the table's height, right half 0.4 m below it.
+SearchFrame table_and_floor(const TableGeometry& table) {
+  SearchFrame f;
+  f.camera = {320, 240, 262, 159.5, 119.5};
+  f.ray_depth_m = cv::Mat::zeros(240, 320, CV_32FC1);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      const double sine = -table.up_in_camera.dot(f.camera.ray(x, y));
+      if (sine < 0.05) continue;
+      const double d = (table.camera_height_m + (x < 160 ? 0 : 0.4)) / sine;
+      if (d < 2.4) f.ray_depth_m.at<float>(y, x) = static_cast<float>(d);
+    }
+  }
+  return f;
+}
+
+TEST(TableEstimate, RefusesToGuessBetweenTableAndFloor) {
+  const TableGeometry truth = TableGeometry::from_pitch_roll(0.9, 0, 0.7);
+  const SearchFrame f = table_and_floor(truth);
+  const auto doubtful = estimate_table(f);
+  ASSERT_FALSE(doubtful.has_value());
+  EXPECT_NE(doubtful.error().reason.find("two planes"), std::string::npos) << doubtful.error().reason;
+  TableEstimateOptions options;
+  options.highest_m = 0.9;
+  const auto e = estimate_table(f, options);
+  ASSERT_TRUE(e.has_value()) << e.error().reason;
+  EXPECT_NEAR(e->table.camera_height_m, 0.7, 0.002);
+}
+
+// Warp like a real sensor's: common to whole patches. The claimed deviations must hold: about 68 % of errors
+// within one, nearly all within three.
+TEST(TableEstimate, TheUncertaintyHolds) {
+  int height_within_1 = 0;
+  int tilt_within_1 = 0;
+  int within_3 = 0;
+  constexpr int kRuns = 60;
+  for (unsigned seed = 0; seed < kRuns; ++seed) {
+    const TableGeometry truth = TableGeometry::from_pitch_roll(0.5 + 0.01 * seed, 0.03, 0.7);
+    SearchFrame f = table_scene(truth, seed, 0.9);
+    std::mt19937 random(1000 + seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const double ax = 0.01 + 0.03 * unit(random);
+    const double ay = 0.01 + 0.03 * unit(random);
+    const double phase_x = 6 * unit(random);
+    const double phase_y = 6 * unit(random);
+    for (int y = 0; y < 240; ++y) {
+      for (int x = 0; x < 320; ++x) {
+        float& d = f.ray_depth_m.at<float>(y, x);
+        if (d > 0)
+          d += static_cast<float>(0.003 * d * std::sin(ax * x + phase_x) * std::sin(ay * y + phase_y));
+      }
+    }
+    const auto e = estimate_table(f);
+    ASSERT_TRUE(e.has_value()) << e.error().reason;
+    const double height =
+        std::abs(e->table.camera_height_m - truth.camera_height_m) / e->uncertainty.height_m;
+    const double tilt =
+        std::acos(std::min(1.0, e->table.up_in_camera.dot(truth.up_in_camera))) / e->uncertainty.tilt_rad;
+    height_within_1 += height < 1 ? 1 : 0;
+    tilt_within_1 += tilt < 1 ? 1 : 0;
+    within_3 += height < 3 && tilt < 3 ? 1 : 0;
+  }
+  EXPECT_GT(height_within_1, kRuns / 2);
+  EXPECT_GT(tilt_within_1, kRuns / 2);
+  EXPECT_GT(within_3, kRuns * 9 / 10);
+}
+
+TEST(TableEstimate, UncertaintyWidensTheSearchTolerance) {
+  const TableTolerance plain{0.01, 0.1};
+  const TableTolerance wide =
+      widened(plain, {.height_m = 9, .pitch_rad = 9, .roll_rad = 9, .tilt_rad = 0.02, .surface_m = 0.003});
+  EXPECT_DOUBLE_EQ(wide.height_m, 0.016);
+  EXPECT_DOUBLE_EQ(wide.angle_rad, 0.14);
+  const TableTolerance same = widened(plain, {});
+  EXPECT_EQ(same.height_m, plain.height_m);
+  EXPECT_EQ(same.angle_rad, plain.angle_rad);
+}
+
+TEST(TableEstimate, WorksOnFramesWithDistortion) {
+  const TableGeometry truth = TableGeometry::from_pitch_roll(0.8, 0.05, 0.6);
+  RgbdFrame f;
+  f.camera = {
+      .width = 320, .height = 240, .fx = 262, .fy = 255, .cx = 150, .cy = 125, .distortion = {0.1, -0.05}};
+  f.axial_depth_m = cv::Mat::zeros(240, 320, CV_32FC1);
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      const Eigen::Vector2d t = f.camera.undistorted_tangent(x, y);
+      const double down = -truth.up_in_camera.dot(Eigen::Vector3d(t.x(), t.y(), 1));
+      if (down > 0.2) f.axial_depth_m.at<float>(y, x) = static_cast<float>(truth.camera_height_m / down);
+    }
+  }
+  const auto e = estimate_table(table_points(f));
+  ASSERT_TRUE(e.has_value()) << e.error().reason;
+  EXPECT_NEAR(e->table.camera_height_m, 0.6, 1e-4);
+  EXPECT_LT(std::acos(std::min(1.0, e->table.up_in_camera.dot(truth.up_in_camera))), 1e-3);
+  f.axial_depth_m = cv::Mat(240, 300, CV_32FC1);
+  EXPECT_THROW(table_points(f), InputError);
 }
 
 }  // namespace

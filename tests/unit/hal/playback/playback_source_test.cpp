@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/playback/bop_source.h"
+#include "hal/playback/playback_source.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,19 +15,19 @@ namespace {
 
 using namespace std::chrono_literals;
 
-class BopSource : public testing::Test {
+class PlaybackSource : public testing::Test {
  protected:
-  BopSource() {
+  PlaybackSource() {
     write_small_bop(folder_.path());
     options_.dataset = folder_.path();
     options_.frame_id = "camera";
   }
   TemporaryFolder folder_;
-  BopSourceOptions options_;
+  PlaybackOptions options_;
 };
 
-TEST_F(BopSource, PlaysEveryImageOnceInOrder) {
-  const auto source = open_bop_source(options_);
+TEST_F(PlaybackSource, PlaysEveryImageOnceInOrder) {
+  const auto source = open_playback(options_);
   std::vector<std::pair<std::int64_t, std::int64_t>> order;
   CaptureTime last = std::chrono::system_clock::now();
   while (source->state() == SourceState::kRunning) {
@@ -47,21 +47,21 @@ TEST_F(BopSource, PlaysEveryImageOnceInOrder) {
   EXPECT_EQ(0U, source->statistics().dropped());
 }
 
-TEST_F(BopSource, SelectsSceneAndImage) {
+TEST_F(PlaybackSource, SelectsSceneAndImage) {
   options_.scene = 10;
   options_.image = 11;
-  const auto source = open_bop_source(options_);
+  const auto source = open_playback(options_);
   EXPECT_EQ(10, source->next(1s)->scene_id);
   EXPECT_EQ(SourceState::kEnded, source->state());
   options_.image = 3;
-  EXPECT_THROW(open_bop_source(options_), InputError);
+  EXPECT_THROW(open_playback(options_), InputError);
   options_.rate_hz = -1;
-  EXPECT_THROW(open_bop_source(options_), UsageError);
+  EXPECT_THROW(open_playback(options_), UsageError);
 }
 
-TEST_F(BopSource, LoopsWithRisingSequence) {
+TEST_F(PlaybackSource, LoopsWithRisingSequence) {
   options_.loop = true;
-  const auto source = open_bop_source(options_);
+  const auto source = open_playback(options_);
   for (std::int64_t i = 0; i < 11; ++i) {
     const auto frame = source->next(1s);
     ASSERT_TRUE(frame.has_value());
@@ -71,9 +71,9 @@ TEST_F(BopSource, LoopsWithRisingSequence) {
   EXPECT_EQ(SourceState::kRunning, source->state());
 }
 
-TEST_F(BopSource, KeepsTheRateAndTheTimeout) {
+TEST_F(PlaybackSource, KeepsTheRateAndTheTimeout) {
   options_.rate_hz = 50;
-  const auto source = open_bop_source(options_);
+  const auto source = open_playback(options_);
   const CaptureTime first = source->next(1s)->captured_at;
   // Not due yet: nothing, and nothing is lost by asking early.
   EXPECT_FALSE(source->next(0ms).has_value());
@@ -83,9 +83,9 @@ TEST_F(BopSource, KeepsTheRateAndTheTimeout) {
   EXPECT_EQ(2U, source->statistics().delivered);
 }
 
-TEST_F(BopSource, CloseWakesAWaitingReader) {
+TEST_F(PlaybackSource, CloseWakesAWaitingReader) {
   options_.rate_hz = 0.001;
-  const auto source = open_bop_source(options_);
+  const auto source = open_playback(options_);
   ASSERT_TRUE(source->next(1s).has_value());
   std::thread closer([&] {
     std::this_thread::sleep_for(20ms);
@@ -98,9 +98,9 @@ TEST_F(BopSource, CloseWakesAWaitingReader) {
   EXPECT_FALSE(source->next(1s).has_value());
 }
 
-TEST_F(BopSource, ABadImageIsAnErrorAndTheNextOnePlays) {
+TEST_F(PlaybackSource, ABadImageIsAnErrorAndTheNextOnePlays) {
   write_text(folder_ / "test/000001/rgb/000011.png", "damaged");
-  const auto source = open_bop_source(options_);
+  const auto source = open_playback(options_);
   EXPECT_EQ(2, source->next(1s)->image_id);
   EXPECT_THROW(source->next(1s), InputError);
   EXPECT_EQ(10, source->next(1s)->scene_id);

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// libcamera on the kernel's virtual camera (vimc): streams, refuses, survives that its driver goes.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "hal/libcamera/libcamera_source.h"
+#include "hal/pixels/decode.h"
+#include "runtime/base/error.h"
+#include "tests/hardware/vivid.h"
+
+namespace sextant {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+constexpr char kDriver[] = "/sys/bus/platform/drivers/vimc";
+
+void write_to(const std::string& file, const std::string& text) { std::ofstream(file) << text << std::flush; }
+
+/// libcamera takes only devices that udev has seen; the machine has no udev, but its database is easily told.
+void tell_udev_database() {
+  std::filesystem::create_directories("/run/udev/data");
+  std::ofstream("/run/udev/control").flush();
+  for (const char* place : {"/sys/class/video4linux", "/sys/bus/media/devices"}) {
+    std::error_code error;
+    for (const auto& device : std::filesystem::directory_iterator(place, error)) {
+      std::string number;
+      std::ifstream(device.path() / "dev") >> number;
+      write_to("/run/udev/data/c" + number, "I:1\n");
+    }
+  }
+}
+
+class Libcamera : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!has_libcamera()) GTEST_SKIP() << "this build has no libcamera";
+    if (!std::filesystem::exists(kDriver)) GTEST_SKIP() << "vimc is not loaded";
+    tell_udev_database();
+    const auto devices = list_libcamera_devices(true);
+    ASSERT_FALSE(devices.empty());
+    device_ = devices.front();
+    options_.device = device_.id;
+    options_.format = "RGB3";
+    options_.width = 636;  // what the driver makes of 640
+    options_.height = 480;
+    options_.max_age = 0ms;
+    options_.watchdog = 3000ms;
+  }
+  template <typename Function>
+  static std::string refusal(Function function) {
+    try {
+      function();
+    } catch (const DoorError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  CameraDevice device_;
+  StreamOptions options_;
+};
+
+TEST_F(Libcamera, IsListedWithWhatItOffers) {
+  EXPECT_EQ(device_.kind, "libcamera");
+  EXPECT_FALSE(device_.id.empty());
+  EXPECT_EQ(device_.problem, "");
+  EXPECT_THAT(device_.modes, testing::Contains(testing::Field(&CameraMode::format, PixelFormat::kRgb24)));
+}
+
+TEST_F(Libcamera, Streams) {
+  for (const char* format : {"RGB3", "BGR3", "auto"}) {
+    options_.format = format;
+    const auto source = open_libcamera_source(options_);
+    std::int64_t last = -1;
+    MonotonicTime last_time{};
+    for (int i = 0; i < 10; ++i) {
+      const auto image = vivid::next_image(*source);
+      ASSERT_TRUE(image.has_value()) << format << ": " << source->condition();
+      EXPECT_GT(image->sequence, last);
+      EXPECT_GT(image->captured.monotonic, last_time);
+      EXPECT_LE(image->captured.monotonic, std::chrono::steady_clock::now());
+      last = image->sequence;
+      last_time = image->captured.monotonic;
+      const cv::Mat rgb = decode_colour(*image, "vimc");
+      EXPECT_EQ(rgb.size(), cv::Size(636, 480));
+      EXPECT_GT(cv::norm(rgb, cv::NORM_INF), 0);
+    }
+  }
+}
+
+TEST_F(Libcamera, LentImagesOutliveTheSource) {
+  auto source = open_libcamera_source(options_);
+  const auto image = vivid::next_image(*source);
+  ASSERT_TRUE(image.has_value());
+  source.reset();
+  EXPECT_NO_THROW(decode_colour(*image, "vimc"));
+}
+
+TEST_F(Libcamera, RefusalsSayWhatThereIs) {
+  options_.width = 640;
+  EXPECT_THAT(refusal([&] { open_libcamera_source(options_); }), HasSubstr("636x480"));
+  options_.width = 636;
+  options_.format = "MJPG";
+  EXPECT_THAT(refusal([&] { open_libcamera_source(options_); }), HasSubstr("it offers"));
+  options_.format = "RGB3";
+  options_.controls = {"Brightnezz=1"};
+  EXPECT_THAT(refusal([&] { open_libcamera_source(options_); }), HasSubstr("no control 'Brightnezz'"));
+  options_.controls = {"Brightness=0.25"};
+  EXPECT_TRUE(vivid::next_image(*open_libcamera_source(options_)).has_value());
+  options_.controls.clear();
+  options_.device = "no such";
+  EXPECT_THAT(refusal([&] { open_libcamera_source(options_); }), HasSubstr(device_.id));
+}
+
+TEST_F(Libcamera, SurvivesThatItsDriverGoes) {
+  const auto source = open_libcamera_source(options_);
+  ASSERT_TRUE(vivid::next_image(*source).has_value());
+  write_to(std::string(kDriver) + "/unbind", "vimc.0");
+  EXPECT_TRUE(vivid::reaches(*source, SourceState::kWaiting)) << source->condition();
+  write_to(std::string(kDriver) + "/bind", "vimc.0");
+  tell_udev_database();
+  EXPECT_TRUE(vivid::next_image(*source).has_value()) << source->condition();
+  EXPECT_EQ(source->statistics().reconnects, 1U);
+}
+
+}  // namespace
+}  // namespace sextant
