@@ -142,9 +142,9 @@ struct Detector::Impl {
     const std::optional<SearchedTable> table = table_for(frame, rectified);
     result.seconds.features = seconds_since(start);
     if (table) result.table = table->table;
-    result.table_origin = options.table == TableSource::kEstimate ? TableOrigin::kEstimate
-                          : options.table == TableSource::kFixed  ? TableOrigin::kFixed
-                                                                  : TableOrigin::kFrame;
+    result.table_origin = options.table == TableSource::kEstimate ? TableProvenance::kEstimate
+                          : options.table == TableSource::kFixed  ? TableProvenance::kFixed
+                                                                  : TableProvenance::kFrame;
 
     const auto tables_start = Clock::now();
     tables.build(rectified, edges, clip_radius(rectified.camera), pool);

@@ -62,7 +62,7 @@ struct ObjectOutcome {
 };
 
 /// Who said where the table is.
-enum class TableOrigin : std::uint8_t {
+enum class TableProvenance : std::uint8_t {
   kFrame = 0,     ///< the source of the frames
   kEstimate = 1,  ///< fitted to this frame's depth
   kFixed = 2,     ///< the configuration
@@ -85,7 +85,7 @@ struct FrameResult {
   std::uint64_t nodes = 0;              ///< boxes that the search bounded
   StageSeconds seconds;
   std::optional<TableGeometry> table;  ///< that the poses stand on; empty: no constraint
-  TableOrigin table_origin = TableOrigin::kFrame;
+  TableProvenance table_origin = TableProvenance::kFrame;
 };
 
 }  // namespace sextant

@@ -41,7 +41,7 @@ inline FrameResult random_result(unsigned seed, int poses) {
   }
   result.objects.push_back({99, "missing", SearchStatus::kAbsent, -30.25, -12.5, 1});
   result.table = TableGeometry::from_pitch_roll(0.6, -0.1, 0.75);
-  result.table_origin = TableOrigin::kEstimate;
+  result.table_origin = TableProvenance::kEstimate;
   return result;
 }
 
