@@ -41,13 +41,15 @@ double number_or_auto(const std::string& text, const char* what) {
   } catch (const std::exception&) {
     // No number: refused below.
   }
-  throw UsageError(fmt::format("{} '{}' is no number", what, text), "give a number, or auto for the configured one");
+  throw UsageError(fmt::format("{} '{}' is no number", what, text),
+                   "give a number, or auto for the configured one");
 }
 
 }  // namespace
 
 int run_ask(const AskOptions& options, Command command, std::FILE* out) {
-  if (!(options.timeout_s > 0 && options.timeout_s <= 1e6)) throw UsageError("--timeout-s must be above 0, at most 1e6");
+  if (!(options.timeout_s > 0 && options.timeout_s <= 1e6))
+    throw UsageError("--timeout-s must be above 0, at most 1e6");
   const StopOnSignal signals;
   const DdsLog log(print_warning);
   command.request_id = new_request_id();
@@ -58,11 +60,14 @@ int run_ask(const AskOptions& options, Command command, std::FILE* out) {
   const auto answer = client.ask(command, timeout, [&] { return signals.requested(); });
   if (!answer) {
     const bool alone = client.matched_daemons() == 0;
-    throw DeviceError("DDS", fmt::format("no answer within {} s{}", options.timeout_s, alone ? ": no sextantd is there" : ""),
-                      "is it running on this domain and namespace, with commands switched on?");
+    throw DeviceError(
+        "DDS",
+        fmt::format("no answer within {} s{}", options.timeout_s, alone ? ": no sextantd is there" : ""),
+        "is it running on this domain and namespace, with commands switched on?");
   }
   fmt::print(out, "{}\n", options.json ? answer->json : answer->text);
-  if (std::fflush(out) != 0) throw DeviceError("output", "cannot write", "is the disk full or the pipe closed?");
+  if (std::fflush(out) != 0)
+    throw DeviceError("output", "cannot write", "is the disk full or the pipe closed?");
   if (answer->result == CommandResult::kRefused) return static_cast<int>(ExitCode::kWrongUse);
   if (answer->result != CommandResult::kDone) return static_cast<int>(ExitCode::kBadInput);
   const bool missed = command.kind == CommandKind::kLook && options.require && !answer->found;
@@ -72,8 +77,10 @@ int run_ask(const AskOptions& options, Command command, std::FILE* out) {
 CLI::App* add_ask_command(CLI::App& app, int& exit_code) {
   auto question = std::make_shared<Question>();
   CLI::App* ask = app.add_subcommand("ask", "Ask a running sextantd: look once, load, enable, ...");
-  ask->footer("Example: sextant ask look mug --json --require\nExit codes: 1 nothing found with --require, 2 refused, "
-              "3 failed, 4 no answer.");
+  ask->footer(
+      "Example: sextant ask look mug --json --require\nExit codes: 1 nothing found with --require, 2 "
+      "refused, "
+      "3 failed, 4 no answer.");
   ask->require_subcommand(1);
 
   const auto add = [&](const std::string& name, const std::string& text, CommandKind kind) {
@@ -106,12 +113,14 @@ CLI::App* add_ask_command(CLI::App& app, int& exit_code) {
   object(look, false);
   look->add_flag("--require", question->options.require, "exit 1 when nothing is found");
   add("load", "Read a compiled model and look for its object", CommandKind::kLoad)
-      ->add_option("model", question->command.model_file, "file in a folder of models.files, on the daemon's machine")
+      ->add_option("model", question->command.model_file,
+                   "file in a folder of models.files, on the daemon's machine")
       ->required();
   object(add("unload", "Forget a model", CommandKind::kUnload), true);
   object(add("enable", "Look for an object in every frame", CommandKind::kEnable), false);
   object(add("disable", "Look for an object only when asked by look", CommandKind::kDisable), false);
-  add("region", "Look only at a part of the image: X Y WIDTH HEIGHT, or 0 0 0 0 for the whole", CommandKind::kRegion)
+  add("region", "Look only at a part of the image: X Y WIDTH HEIGHT, or 0 0 0 0 for the whole",
+      CommandKind::kRegion)
       ->add_option("region", question->region, "pixels of the source image")
       ->expected(4)
       ->required();

@@ -12,11 +12,11 @@ namespace sextant {
 
 /// Options that all questions share.
 struct AskOptions {
-  unsigned domain = 0;      ///< 0..230
+  unsigned domain = 0;       ///< 0..230
   std::string name_space{};  ///< as publish.namespace of the daemon
-  double timeout_s = 20;    ///< for the answer
+  double timeout_s = 20;     ///< for the answer
   bool json = false;
-  bool require = false;     ///< a look that finds nothing is exit code 1
+  bool require = false;  ///< a look that finds nothing is exit code 1
 };
 
 /// Sends the command under a new request id and prints the answer to `out`. Returns 0; 1 where a look with

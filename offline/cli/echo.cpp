@@ -58,7 +58,9 @@ CLI::App* add_echo_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<EchoOptions>();
   CLI::App* command = app.add_subcommand("echo", "Print poses that arrive over DDS");
   command->footer("Example: sextant echo --topic object_pose --count 1 --timeout-s 10 --require --json");
-  command->add_option("--topic", options->topic, "topic without rt/, with its namespace: arm/pose_estimates, tf, diagnostics, ...")
+  command
+      ->add_option("--topic", options->topic,
+                   "topic without rt/, with its namespace: arm/pose_estimates, tf, diagnostics, ...")
       ->capture_default_str();
   command->add_option("--type", options->type, "what it carries; default: by the last part of the topic")
       ->check(CLI::IsMember(topic_kind_names()));

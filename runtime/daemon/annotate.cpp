@@ -52,11 +52,13 @@ bool draw_outline(cv::Mat& image, const CameraModel& camera, const PoseEstimate&
 
 void draw_axes(cv::Mat& image, const CameraModel& camera, const PoseEstimate& estimate) {
   const auto origin = project(camera, estimate.camera_from_object.translation());
-  const std::array<cv::Scalar, 3> colours = {cv::Scalar(255, 0, 0), cv::Scalar(0, 255, 0), cv::Scalar(0, 0, 255)};
+  const std::array<cv::Scalar, 3> colours = {cv::Scalar(255, 0, 0), cv::Scalar(0, 255, 0),
+                                             cv::Scalar(0, 0, 255)};
   for (int axis = 0; axis < 3; ++axis) {
     const Eigen::Vector3d end = kAxisLengthMetres * Eigen::Vector3d::Unit(axis);
     const auto tip = project(camera, estimate.camera_from_object * end);
-    if (origin && tip) cv::line(image, *origin, *tip, colours[static_cast<std::size_t>(axis)], 2, cv::LINE_AA);
+    if (origin && tip)
+      cv::line(image, *origin, *tip, colours[static_cast<std::size_t>(axis)], 2, cv::LINE_AA);
   }
 }
 

@@ -14,8 +14,9 @@ constexpr std::chrono::milliseconds kSlice{50};
 
 }  // namespace
 
-CommandLoop::CommandLoop(CommandServer& server, DetectionService& service, std::function<std::string()> reload,
-                         std::chrono::milliseconds look_patience, std::function<void(const std::string&)> failed)
+CommandLoop::CommandLoop(CommandServer& server, DetectionService& service,
+                         std::function<std::string()> reload, std::chrono::milliseconds look_patience,
+                         std::function<void(const std::string&)> failed)
     : server_(server),
       service_(service),
       reload_(std::move(reload)),

@@ -15,8 +15,9 @@ namespace sextant {
 
 class CommandLoop {
  public:
-  /// `reload` reads the configuration again and returns what was done in words; it throws DoorError and then has
-  /// changed nothing. `failed` is called when DDS fails and the thread ends. All must live longer than this.
+  /// `reload` reads the configuration again and returns what was done in words; it throws DoorError and then
+  /// has changed nothing. `failed` is called when DDS fails and the thread ends. All must live longer than
+  /// this.
   CommandLoop(CommandServer& server, DetectionService& service, std::function<std::string()> reload,
               std::chrono::milliseconds look_patience, std::function<void(const std::string&)> failed);
   ~CommandLoop();

@@ -33,8 +33,9 @@ TableSource table_source(const std::string& name) {
 void check_topics(const DaemonConfig& config, const std::string& where) {
   const auto& p = config.publish;
   std::set<std::string> seen;
-  for (const std::string& topic : {p.detections, p.object_pose, p.pose_estimates, p.tf, p.markers, p.annotated,
-                                   p.table_estimate, p.diagnostics, config.commands.command, config.commands.answer}) {
+  for (const std::string& topic :
+       {p.detections, p.object_pose, p.pose_estimates, p.tf, p.markers, p.annotated, p.table_estimate,
+        p.diagnostics, config.commands.command, config.commands.answer}) {
     if (topic.empty()) continue;
     std::string full;
     try {

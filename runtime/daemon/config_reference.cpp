@@ -18,7 +18,8 @@ constexpr char kPreamble[] =
     "camera.\n"
     "# Check a changed copy with: sextantd --config FILE --check-config\n"
     "# This file is made by: sextantd --config FILE --print-config-reference (unknown keys are errors).\n"
-    "# Keys marked \"reloads\" may change while the daemon runs: SIGHUP or `sextant ask reload` reads this file again.\n";
+    "# Keys marked \"reloads\" may change while the daemon runs: SIGHUP or `sextant ask reload` reads this "
+    "file again.\n";
 
 /// Words as comment lines of limited width.
 std::string comment(const std::string& text, const std::string& indent) {

@@ -28,8 +28,8 @@ constexpr std::chrono::seconds kStatusPeriod{10};
 /// After the acknowledgements: best-effort readers acknowledge nothing.
 constexpr milliseconds kLingerAfterOnce{200};
 
-/// Tells the log what became of frames, at a limited rate, systemd that they pass, and both and the diagnostics
-/// topic how we are.
+/// Tells the log what became of frames, at a limited rate, systemd that they pass, and both and the
+/// diagnostics topic how we are.
 class Reporter {
  public:
   explicit Reporter(const DaemonRun& run)
@@ -64,7 +64,8 @@ class Reporter {
     if (report.fate != FrameFate::kFailed) notifier_.progress();
   }
 
-  /// A source that waits for its device, says so and still answers is not stuck: starting again would not help.
+  /// A source that waits for its device, says so and still answers is not stuck: starting again would not
+  /// help.
   void waiting(const Pipeline& pipeline, const FrameSource& source) {
     const std::lock_guard lock(mutex_);
     const std::uint64_t asked = pipeline.statistics().asked;
@@ -189,7 +190,8 @@ void run_daemon(FrameSource& source, const DetectFunction& detect, Publisher& pu
   if (run.pipeline.once && !wait_for_listener(publisher, signals, run.once_wait)) return;
   const auto publish = [&](const FrameResult& result, const RgbdFrame& frame) {
     publisher.publish(result, std::chrono::duration<double>(Clock::now() - frame.captured_monotonic).count());
-    if (run.draw && publisher.annotated_wanted()) publisher.publish_annotated(result, run.draw(frame, result));
+    if (run.draw && publisher.annotated_wanted())
+      publisher.publish_annotated(result, run.draw(frame, result));
     reporter.result(result);
   };
   Pipeline pipeline(source, detect, publish, run.pipeline,

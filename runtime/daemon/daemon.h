@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of sextantd once its parts stand: frames until a signal, the source's end or an error; a report on the
-// diagnostics topic now and then.
+// The life of sextantd once its parts stand: frames until a signal, the source's end or an error; a report on
+// the diagnostics topic now and then.
 #pragma once
 
 #include <csignal>
@@ -12,8 +12,8 @@
 
 namespace sextant {
 
-/// SIGTERM, SIGINT and SIGHUP as something to wait for. Make it before any other thread exists: threads inherit the
-/// blocked signals. The destructor restores the mask of its own thread.
+/// SIGTERM, SIGINT and SIGHUP as something to wait for. Make it before any other thread exists: threads
+/// inherit the blocked signals. The destructor restores the mask of its own thread.
 class SignalWaiter {
  public:
   SignalWaiter();
@@ -40,8 +40,8 @@ struct DaemonRun {
   /// Called when a signal asks for the end and a detection still runs after 0.7 s: nothing of it will be
   /// published. The daemon leaves the process here; may return in tests.
   std::function<void()> abandon{};
-  /// Called on SIGHUP: reads the configuration again and says what was done; throws DoorError and then has changed
-  /// nothing. May be empty.
+  /// Called on SIGHUP: reads the configuration again and says what was done; throws DoorError and then has
+  /// changed nothing. May be empty.
   std::function<std::string()> reload{};
   /// Draws the annotated image; called only while someone listens to it. May be empty.
   std::function<cv::Mat(const RgbdFrame&, const FrameResult&)> draw{};

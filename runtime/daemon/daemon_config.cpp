@@ -22,7 +22,8 @@ bool is_frame_prefix(const std::string& name) { return name.empty() || is_frame_
 
 constexpr char kNameForm[] = "a name (letters, digits, _ and /, not starting with / or a digit) or \"\"";
 constexpr char kTopicForm[] =
-    "a topic name (letters, digits, _ and /, no digit after a /; a leading / leaves the namespace out) or \"\"";
+    "a topic name (letters, digits, _ and /, no digit after a /; a leading / leaves the namespace out) or "
+    "\"\"";
 
 }  // namespace
 
@@ -255,20 +256,23 @@ std::vector<ConfigField> config_fields(DaemonConfig& c) {
       {.section = "publish",
        .key = "tf",
        .target = &c.publish.tf,
-       .text = "Topic of tf2_msgs/TFMessage: every pose as a frame below the camera's; \"/tf\" is where ROS 2 looks for it whatever the namespace; \"\" switches it off.",
+       .text = "Topic of tf2_msgs/TFMessage: every pose as a frame below the camera's; \"/tf\" is where ROS "
+               "2 looks for it whatever the namespace; \"\" switches it off.",
        .accepts = is_topic_or_empty,
        .accepted_form = kTopicForm},
       {.section = "publish",
        .key = "tf_prefix",
        .target = &c.publish.tf_prefix,
-       .text = "Put before the object's name in child_frame_id; second and further poses of an object get _2, _3, ... "
+       .text = "Put before the object's name in child_frame_id; second and further poses of an object get "
+               "_2, _3, ... "
                "after it.",
        .accepts = is_frame_prefix,
        .accepted_form = "up to 200 letters, digits, _ / - ."},
       {.section = "publish",
        .key = "markers",
        .target = &c.publish.markers,
-       .text = "Topic of visualization_msgs/MarkerArray for RViz and Foxglove, made only while someone listens; \"\" switches it off.",
+       .text = "Topic of visualization_msgs/MarkerArray for RViz and Foxglove, made only while someone "
+               "listens; \"\" switches it off.",
        .accepts = is_topic_or_empty,
        .accepted_form = kTopicForm},
       {.section = "publish",
@@ -279,19 +283,22 @@ std::vector<ConfigField> config_fields(DaemonConfig& c) {
       {.section = "publish",
        .key = "annotated",
        .target = &c.publish.annotated,
-       .text = "Topic of sensor_msgs/Image: the colour image with the poses drawn into it, made only while someone listens; \"\" switches it off.",
+       .text = "Topic of sensor_msgs/Image: the colour image with the poses drawn into it, made only while "
+               "someone listens; \"\" switches it off.",
        .accepts = is_topic_or_empty,
        .accepted_form = kTopicForm},
       {.section = "publish",
        .key = "table_estimate",
        .target = &c.publish.table_estimate,
-       .text = "Topic of sextant_msgs/TableEstimate: where the table is, for every frame that has one; \"\" switches it off.",
+       .text = "Topic of sextant_msgs/TableEstimate: where the table is, for every frame that has one; \"\" "
+               "switches it off.",
        .accepts = is_topic_or_empty,
        .accepted_form = kTopicForm},
       {.section = "publish",
        .key = "diagnostics",
        .target = &c.publish.diagnostics,
-       .text = "Topic of diagnostic_msgs/DiagnosticArray: rates, latencies by stage, drops, search status, temperatures; \"\" switches it off.",
+       .text = "Topic of diagnostic_msgs/DiagnosticArray: rates, latencies by stage, drops, search status, "
+               "temperatures; \"\" switches it off.",
        .accepts = is_topic_or_empty,
        .accepted_form = kTopicForm},
       {.section = "publish",

@@ -38,7 +38,7 @@ struct State {
   DetectOptions options;
   std::vector<std::filesystem::path> folders;
   ImageRegion region{};
-  std::optional<double> deadline_ms;  // instead of the options'
+  std::optional<double> deadline_ms;   // instead of the options'
   std::shared_ptr<Detector> detector;  // of all models; none without models
 
   std::optional<std::size_t> find(const std::string& name) const {
@@ -55,7 +55,9 @@ struct State {
   }
 };
 
-Known known(const LoadedModel& loaded) { return {loaded.model.name, loaded.model.object_id, loaded.file, true, {}}; }
+Known known(const LoadedModel& loaded) {
+  return {loaded.model.name, loaded.model.object_id, loaded.file, true, {}};
+}
 
 State begin(DetectionSetup setup) {
   State state;
@@ -86,7 +88,7 @@ struct Look {
 struct DetectionService::Impl {
   ModelsChanged models_changed;
   std::atomic<bool> cancelled = false;
-  std::mutex change_mutex;  // one change at a time
+  std::mutex change_mutex;   // one change at a time
   mutable std::mutex mutex;  // guards `state`, `looks`
   std::shared_ptr<const State> state;
   std::vector<Look> looks;
@@ -128,8 +130,8 @@ struct DetectionService::Impl {
     return {*index};
   }
 
-  /// Changes the copy `s` of the state; returns what was done, in words. Throws without having changed anything
-  /// that counts.
+  /// Changes the copy `s` of the state; returns what was done, in words. Throws without having changed
+  /// anything that counts.
   static std::string change(State& s, const Command& c, bool& models_differ) {
     const std::string whom = c.object_name.empty() ? "every object" : c.object_name;
     switch (c.kind) {
@@ -176,11 +178,13 @@ struct DetectionService::Impl {
         }
         s.region = c.region;
         if (c.region == ImageRegion{}) return "looking at the whole image";
-        return fmt::format("looking at {} x {} pixels from {}, {}", c.region[2], c.region[3], c.region[0], c.region[1]);
+        return fmt::format("looking at {} x {} pixels from {}, {}", c.region[2], c.region[3], c.region[0],
+                           c.region[1]);
       }
       case CommandKind::kThreshold: {
         const bool back = std::isnan(c.value);
-        if (!back && std::abs(c.value) > kLargestThreshold) refuse("the threshold is absurd", "use -1e9 to 1e9");
+        if (!back && std::abs(c.value) > kLargestThreshold)
+          refuse("the threshold is absurd", "use -1e9 to 1e9");
         for (const std::size_t i : meant(s, c.object_name))
           s.models[i].threshold = back ? std::nullopt : std::optional(c.value);
         return back ? fmt::format("the threshold of {} is as configured", whom)
@@ -263,7 +267,8 @@ FrameResult DetectionService::detect(const RgbdFrame& frame) {
   FrameResult result;
   try {
     const bool nothing_wanted =
-        waiting.empty() && std::none_of(s->models.begin(), s->models.end(), [](const Known& model) { return model.enabled; });
+        waiting.empty() &&
+        std::none_of(s->models.begin(), s->models.end(), [](const Known& model) { return model.enabled; });
     if (s->detector && !nothing_wanted && !impl_->cancelled) {
       result = impl_->search(*s, frame, waiting);
     } else {
@@ -274,7 +279,8 @@ FrameResult DetectionService::detect(const RgbdFrame& frame) {
       result.image_id = frame.image_id;
     }
   } catch (const std::exception& error) {
-    for (const Look& look : waiting) tell(look, answer_to(look.command, CommandResult::kFailed, error.what()));
+    for (const Look& look : waiting)
+      tell(look, answer_to(look.command, CommandResult::kFailed, error.what()));
     throw;
   }
   for (const Look& look : waiting) {
@@ -319,9 +325,11 @@ CommandAnswer DetectionService::execute(const Command& command) {
 void DetectionService::look(const Command& command, std::function<void(const CommandAnswer&)> answer,
                             std::chrono::milliseconds patience, Clock::time_point now) {
   try {
-    if (Impl::meant(*impl_->now(), command.object_name).empty()) refuse("no model is loaded", "load one first");
+    if (Impl::meant(*impl_->now(), command.object_name).empty())
+      refuse("no model is loaded", "load one first");
     const std::lock_guard lock(impl_->mutex);
-    if (impl_->looks.size() >= kMostLooks) refuse("too many looks are waiting for a frame", "ask again later");
+    if (impl_->looks.size() >= kMostLooks)
+      refuse("too many looks are waiting for a frame", "ask again later");
     impl_->looks.push_back({command, answer, now, now + patience});
     return;
   } catch (const UsageError& error) {
@@ -340,7 +348,8 @@ void DetectionService::expire_looks(Clock::time_point now) {
     looks.erase(late, looks.end());
   }
   for (const Look& look : expired) {
-    look.answer(answer_to(look.command, CommandResult::kFailed, "no frame came to look at; is the camera there?"));
+    look.answer(
+        answer_to(look.command, CommandResult::kFailed, "no frame came to look at; is the camera there?"));
   }
 }
 
@@ -351,7 +360,8 @@ void DetectionService::replace(DetectionSetup setup) {
   if (impl_->models_changed) impl_->models_changed(next.copy_of_models());
 }
 
-CommandAnswer DetectionService::answer_to(const Command& command, CommandResult result, std::string message) const {
+CommandAnswer DetectionService::answer_to(const Command& command, CommandResult result,
+                                          std::string message) const {
   return Impl::describe(*impl_->now(), command, result, std::move(message));
 }
 

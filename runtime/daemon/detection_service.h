@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is looked for, and how, while frames pass: detection on one thread, commands that change it on another.
-// A change holds from the next frame on; one that fails changes nothing.
+// What is looked for, and how, while frames pass: detection on one thread, commands that change it on
+// another. A change holds from the next frame on; one that fails changes nothing.
 #pragma once
 
 #include <chrono>
@@ -47,7 +47,8 @@ class DetectionService {
             std::chrono::milliseconds patience, Clock::time_point now = Clock::now());
   void expire_looks(Clock::time_point now = Clock::now());
 
-  /// Another configuration, as if begun with it: what commands had changed is forgotten. Throws without a change.
+  /// Another configuration, as if begun with it: what commands had changed is forgotten. Throws without a
+  /// change.
   void replace(DetectionSetup setup);
 
   /// An answer with what holds now; the rest is the caller's.

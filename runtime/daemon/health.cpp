@@ -34,7 +34,7 @@ void Health::frame(const FrameReport& report) {
     return;
   }
   const FrameTimes& t = report.times;
-  const std::array values = {t.capture_ms, t.waiting_ms, t.features_ms, t.tables_ms,    t.search_ms,
+  const std::array values = {t.capture_ms, t.waiting_ms,  t.features_ms, t.tables_ms,  t.search_ms,
                              t.refine_ms,  t.handover_ms, t.publish_ms,  report.age_ms};
   for (std::size_t i = 0; i < values.size(); ++i) stages_[i].add(values[i]);
 }
@@ -62,7 +62,8 @@ DiagnosticStatus Health::source_part(const HealthInput& now, double seconds) con
   }
   part.values = {value("delivered", now.source.delivered),
                  value("rate_hz", rate(now.source.delivered, before_.source.delivered, seconds)),
-                 value("reconnects", now.source.reconnects), {"dropped", describe_drops(now.source)}};
+                 value("reconnects", now.source.reconnects),
+                 {"dropped", describe_drops(now.source)}};
   if (part.level == DiagnosticLevel::kOk && now.source.dropped() > before_.source.dropped()) {
     part.level = DiagnosticLevel::kWarn;
     part.message = fmt::format("{} frames dropped since the last report",
@@ -86,7 +87,8 @@ DiagnosticStatus Health::pipeline_part(const HealthInput& now, double seconds) c
   const std::uint64_t published = p.published - b.published;
   const std::uint64_t late = p.too_old - b.too_old + (p.stale - b.stale);
   const std::uint64_t failed = p.failed - b.failed;
-  part.message = fmt::format("{} published, {} too late, {} failed since the last report", published, late, failed);
+  part.message =
+      fmt::format("{} published, {} too late, {} failed since the last report", published, late, failed);
   if (late + failed > 0) part.level = DiagnosticLevel::kWarn;
   if (published == 0) part.level = late + failed > 0 ? DiagnosticLevel::kError : DiagnosticLevel::kStale;
   return part;
@@ -103,9 +105,10 @@ DiagnosticStatus Health::latency_part(const HealthInput& now) const {
   }
   part.values.push_back(value("max_age_ms", now.max_age_ms));
   const LatencySummary age = stages_.back().summary();
-  part.message = stages_.back().size() == 0 ? "no frame since the last report"
-                                            : fmt::format("capture to publication: median {:.1f} ms, 95 % {:.1f} ms",
-                                                          age.median, age.p95);
+  part.message =
+      stages_.back().size() == 0
+          ? "no frame since the last report"
+          : fmt::format("capture to publication: median {:.1f} ms, 95 % {:.1f} ms", age.median, age.p95);
   return part;
 }
 
@@ -120,8 +123,9 @@ DiagnosticStatus Health::search_part() const {
   }
   part.values.push_back(value("nodes", nodes_));
   part.message = outcomes_.empty() ? "nothing is looked for"
-                 : bounded > 0     ? fmt::format("{} of {} objects without proof (deadline)", bounded, outcomes_.size())
-                                   : fmt::format("{} objects, each proven", outcomes_.size());
+                 : bounded > 0
+                     ? fmt::format("{} of {} objects without proof (deadline)", bounded, outcomes_.size())
+                     : fmt::format("{} objects, each proven", outcomes_.size());
   if (bounded > 0) part.level = DiagnosticLevel::kWarn;
   return part;
 }

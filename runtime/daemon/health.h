@@ -35,7 +35,8 @@ class Health {
 
   void frame(const FrameReport& report);
   void result(const FrameResult& result);
-  /// `seconds`: since the report before; its rates and latencies are of that time, its counts since the start.
+  /// `seconds`: since the report before; its rates and latencies are of that time, its counts since the
+  /// start.
   DiagnosticReport report(const HealthInput& now, double seconds, CaptureTime at);
 
  private:

@@ -15,8 +15,8 @@ RgbdFrame cut_to_region(const RgbdFrame& frame, const ImageRegion& region) {
   const std::int64_t bottom = std::min<std::int64_t>(y + region[3], frame.colour.rows);
   if (right - x < kSmallestRegion || bottom - y < kSmallestRegion) {
     throw InputError("region",
-                     fmt::format("{} {} {} {} has less than {} x {} pixels inside the image of {} x {}", region[0],
-                                 region[1], region[2], region[3], kSmallestRegion, kSmallestRegion,
+                     fmt::format("{} {} {} {} has less than {} x {} pixels inside the image of {} x {}",
+                                 region[0], region[1], region[2], region[3], kSmallestRegion, kSmallestRegion,
                                  frame.colour.cols, frame.colour.rows),
                      "give x, y, width and height in pixels, or 0 0 0 0 for the whole image");
   }

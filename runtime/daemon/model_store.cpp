@@ -15,7 +15,8 @@ std::vector<LoadedModel> load_models(const std::vector<std::filesystem::path>& f
     const auto twin = std::find_if(models.begin(), models.end(),
                                    [&](const LoadedModel& other) { return other.model.name == model.name; });
     if (twin != models.end()) {
-      throw InputError(file.string(), "its object is called '" + model.name + "' as that of " + twin->file.string(),
+      throw InputError(file.string(),
+                       "its object is called '" + model.name + "' as that of " + twin->file.string(),
                        "leave one out, or compile it under another name");
     }
     models.push_back({std::move(model), file});

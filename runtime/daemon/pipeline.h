@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's flow: source thread -> newest frame -> detection thread -> newest result -> publication thread,
-// so that reading and publishing one frame overlap with detecting another. Late results are dropped and counted,
-// never published as fresh; a bad frame is counted and passed over; a dead device ends it.
+// The daemon's flow: source thread -> newest frame -> detection thread -> newest result -> publication
+// thread, so that reading and publishing one frame overlap with detecting another. Late results are dropped
+// and counted, never published as fresh; a bad frame is counted and passed over; a dead device ends it.
 #pragma once
 
 #include <chrono>
@@ -37,7 +37,8 @@ enum class FrameFate : std::uint8_t {
   kFailed,  ///< the source, the detector or the publisher refused it
 };
 
-/// Where a published frame's time went, milliseconds. They add up to age_ms but for the time between two stages.
+/// Where a published frame's time went, milliseconds. They add up to age_ms but for the time between two
+/// stages.
 struct FrameTimes {
   double capture_ms = 0;   ///< from capture to us
   double waiting_ms = 0;   ///< for detection
@@ -61,7 +62,7 @@ struct FrameReport {
 
 /// Counts since the start.
 struct PipelineStatistics {
-  std::uint64_t dropped = 0;    ///< waiting frames that newer ones pushed out
+  std::uint64_t dropped = 0;      ///< waiting frames that newer ones pushed out
   std::uint64_t unpublished = 0;  ///< waiting results that newer ones pushed out
   std::uint64_t asked = 0;      ///< times that the source was asked for a frame and answered: it is not stuck
   std::uint64_t published = 0;  ///< results
@@ -73,7 +74,8 @@ struct PipelineStatistics {
 /// Runs from construction until the source ends, stop(), or a DeviceError.
 class Pipeline {
  public:
-  /// `report` is called by one thread at a time. The source and what the functions use must outlive the pipeline.
+  /// `report` is called by one thread at a time. The source and what the functions use must outlive the
+  /// pipeline.
   Pipeline(FrameSource& source, DetectFunction detect, PublishFunction publish,
            const PipelineOptions& options, std::function<void(const FrameReport&)> report);
   /// Stops and waits for a detection that is under way.

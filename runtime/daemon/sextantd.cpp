@@ -56,8 +56,8 @@ ObjectShapes shapes_of(const DetectionSetup& setup) {
   return shapes;
 }
 
-/// Opens something that needs the network or a device. Without `once` it waits for it, says so once, and tries
-/// every second; nothing when a signal came first.
+/// Opens something that needs the network or a device. Without `once` it waits for it, says so once, and
+/// tries every second; nothing when a signal came first.
 template <typename Open>
 auto open_patiently(const Open& open, bool once, SignalWaiter& signals) -> decltype(open()) {
   const ServiceNotifier notifier;
@@ -203,7 +203,8 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("sextantd"));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
   CLI::App app("sextantd: finds known objects in the frames of a camera and publishes their poses over DDS");
-  app.footer("Example: sextantd --config config/sextantd.yaml\nSIGTERM and SIGINT end it within a second, SIGHUP "
+  app.footer(
+      "Example: sextantd --config config/sextantd.yaml\nSIGTERM and SIGINT end it within a second, SIGHUP "
       "reads models and configuration again.");
   sextant::Arguments arguments;
   app.add_option("--config", arguments.config, "YAML file, every key documented in config/sextantd.yaml");

@@ -42,7 +42,8 @@ struct DetectOptions {
 
 /// What may differ from frame to frame.
 struct DetectCall {
-  /// True: give up soon. What was found so far is returned as kBounded. Asked often, from the caller's thread.
+  /// True: give up soon. What was found so far is returned as kBounded. Asked often, from the caller's
+  /// thread.
   std::function<bool()> stop{};
   std::function<bool(const std::string&)> wanted{};  ///< by object name; empty: every object
   std::map<std::string, double> thresholds{};        ///< by object name, instead of the options'

@@ -96,7 +96,8 @@ std::optional<AnswerText> CommandClient::ask(const Command& command, std::chrono
       send = Clock::now() + kSendAgain;
     }
     dds_attach_t triggered = 0;
-    check_dds(dds_waitset_wait(impl_->waitset.get(), &triggered, 1, DDS_MSECS(kSlice.count())), "cannot wait");
+    check_dds(dds_waitset_wait(impl_->waitset.get(), &triggered, 1, DDS_MSECS(kSlice.count())),
+              "cannot wait");
     if (auto answer = impl_->take(command.request_id)) return answer;
   }
   return std::nullopt;

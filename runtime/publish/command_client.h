@@ -17,8 +17,8 @@ namespace sextant {
 struct AnswerText {
   CommandResult result = CommandResult::kDone;
   std::string message;
-  std::string text;  ///< for people, several lines
-  std::string json;  ///< for programs, one line
+  std::string text;    ///< for people, several lines
+  std::string json;    ///< for programs, one line
   bool found = false;  ///< the answer of a look holds a pose
 };
 
@@ -30,8 +30,8 @@ class CommandClient {
   CommandClient(const CommandClient&) = delete;
   CommandClient& operator=(const CommandClient&) = delete;
 
-  /// Sends the command, again twice a second, until its answer comes; nothing after the timeout or when `stop`
-  /// says so.
+  /// Sends the command, again twice a second, until its answer comes; nothing after the timeout or when
+  /// `stop` says so.
   std::optional<AnswerText> ask(const Command& command, std::chrono::milliseconds timeout,
                                 const std::function<bool()>& stop = {});
   /// Daemons that answer here at this moment.

@@ -33,8 +33,8 @@ CommandMessage to_message(const Command& command) {
 
 AnswerBuilder::AnswerBuilder(const CommandAnswer& answer) {
   for (const ObjectState& object : answer.objects) {
-    objects_.push_back({object.object_id, borrowed(object.object_name), borrowed(object.model_file), object.enabled,
-                        object.threshold.value_or(std::numeric_limits<double>::quiet_NaN())});
+    objects_.push_back({object.object_id, borrowed(object.object_name), borrowed(object.model_file),
+                        object.enabled, object.threshold.value_or(std::numeric_limits<double>::quiet_NaN())});
   }
   message_.request_id = borrowed(answer.request_id);
   message_.kind = static_cast<std::uint8_t>(answer.kind);

@@ -96,7 +96,8 @@ std::vector<Command> CommandServer::poll(std::chrono::milliseconds timeout) {
   for (int i = 0; i < kMostAtOnce; ++i) {
     void* sample = nullptr;
     dds_sample_info_t info{};
-    if (check_dds(dds_take(impl_->reader.get(), &sample, &info, 1, 1), "cannot read " + impl_->topic) == 0) break;
+    if (check_dds(dds_take(impl_->reader.get(), &sample, &info, 1, 1), "cannot read " + impl_->topic) == 0)
+      break;
     std::optional<Command> command;
     if (info.valid_data) {
       const auto& message = *static_cast<const CommandMessage*>(sample);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands in, answers out. The reader is best-effort, as all our readers; who asks sends again until answered,
-// and a request that comes twice is done once: its answer is sent again.
+// Commands in, answers out. The reader is best-effort, as all our readers; who asks sends again until
+// answered, and a request that comes twice is done once: its answer is sent again.
 #pragma once
 
 #include <chrono>

@@ -117,9 +117,9 @@ EchoReader::EchoReader(const EchoReaderOptions& options, std::function<void(cons
   impl_->participant = create_participant(options.domain);
 
   const dds_entity_t participant = impl_->participant.get();
-  const dds_entity_t topic =
-      check_dds(dds_create_topic(participant, impl_->traits.type.descriptor, impl_->topic.c_str(), nullptr, nullptr),
-                "cannot create topic " + impl_->topic);
+  const dds_entity_t topic = check_dds(
+      dds_create_topic(participant, impl_->traits.type.descriptor, impl_->topic.c_str(), nullptr, nullptr),
+      "cannot create topic " + impl_->topic);
   QosProfile profile;
   profile.reliable = false;
   profile.depth = kHistory;

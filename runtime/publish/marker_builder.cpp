@@ -59,7 +59,8 @@ void MarkersBuilder::add_shape(const FrameResult& result, const PoseEstimate& es
     marker.pose = to_pose(estimate.camera_from_object);
     auto& points = points_.emplace_back();
     points.reserve(shape->corners.size());
-    for (const Eigen::Vector3f& corner : shape->corners) points.push_back({corner.x(), corner.y(), corner.z()});
+    for (const Eigen::Vector3f& corner : shape->corners)
+      points.push_back({corner.x(), corner.y(), corner.z()});
     marker.points = borrowed_sequence<decltype(marker.points)>(points);
   } else {
     RigidTransform camera_from_box = estimate.camera_from_object;
@@ -102,7 +103,8 @@ void MarkersBuilder::add_text(const FrameResult& result, const PoseEstimate& est
   markers_.push_back(marker);
 }
 
-MarkersBuilder::MarkersBuilder(const FrameResult& result, const ObjectShapes& shapes, const MarkerStyle& style)
+MarkersBuilder::MarkersBuilder(const FrameResult& result, const ObjectShapes& shapes,
+                               const MarkerStyle& style)
     : lifetime_s_(style.lifetime_s) {
   const std_msgs_msg_dds__ColorRGBA_ red{1, 0, 0, 1}, green{0, 1, 0, 1}, blue{0, 0, 1, 1};
   axis_colours_ = {red, red, green, green, blue, blue};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The poses as pictures for RViz and Foxglove: each object's mesh or box coloured by confidence, its axes, its
-// name and score.
+// The poses as pictures for RViz and Foxglove: each object's mesh or box coloured by confidence, its axes,
+// its name and score.
 #pragma once
 
 #include <string>
@@ -14,16 +14,16 @@ namespace sextant {
 
 /// How objects are drawn.
 struct MarkerStyle {
-  bool mesh = true;        ///< the model's mesh; else (and where there is none) its box
-  double lifetime_s = 1;   ///< then a viewer forgets them, also when we are gone
+  bool mesh = true;       ///< the model's mesh; else (and where there is none) its box
+  double lifetime_s = 1;  ///< then a viewer forgets them, also when we are gone
   double axis_length_m = 0.05;
 };
 
 /// Red 0 over yellow 0.5 to green 1.
 std_msgs_msg_dds__ColorRGBA_ confidence_colour(double score, float alpha);
 
-/// One message that replaces all markers of the frame before it: first a DELETEALL, then three markers for each
-/// pose, in the namespaces "shape", "axes" and "text". Points into the result and the shapes.
+/// One message that replaces all markers of the frame before it: first a DELETEALL, then three markers for
+/// each pose, in the namespaces "shape", "axes" and "text". Points into the result and the shapes.
 class MarkersBuilder {
  public:
   MarkersBuilder(const FrameResult& result, const ObjectShapes& shapes, const MarkerStyle& style);
@@ -31,7 +31,8 @@ class MarkersBuilder {
 
  private:
   MarkerMessage start(const FrameResult& result, const char* name_space, int type) const;
-  void add_shape(const FrameResult& result, const PoseEstimate& estimate, const ObjectShape* shape, bool mesh);
+  void add_shape(const FrameResult& result, const PoseEstimate& estimate, const ObjectShape* shape,
+                 bool mesh);
   void add_axes(const FrameResult& result, const PoseEstimate& estimate, double length_m);
   void add_text(const FrameResult& result, const PoseEstimate& estimate, const ObjectShape* shape);
 

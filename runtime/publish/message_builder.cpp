@@ -147,7 +147,8 @@ std::optional<TableEstimateMessage> build_table_estimate(const FrameResult& resu
   return message;
 }
 
-PoseEstimatesBuilder::PoseEstimatesBuilder(const FrameResult& result, double age_s) : text_(in_words(result)) {
+PoseEstimatesBuilder::PoseEstimatesBuilder(const FrameResult& result, double age_s)
+    : text_(in_words(result)) {
   for (const PoseEstimate& estimate : result.estimates) {
     sextant_msgs_msg_dds__PoseEstimate_ message{};
     message.object_id = estimate.object_id;

@@ -179,7 +179,8 @@ void check_message(const TableEstimateMessage& message, const std::string& topic
   check.header(message.header);
   check.pose(message.pose);
   const auto& up = message.up_in_camera;
-  check.within(std::hypot(up.x, up.y, up.z) - 1, kQuaternionTolerance, "the table's normal is no unit vector");
+  check.within(std::hypot(up.x, up.y, up.z) - 1, kQuaternionTolerance,
+               "the table's normal is no unit vector");
   check.within(message.camera_height_m, kFarthestMetres, "an absurd height above the table");
   check.finite({message.pitch_rad, message.roll_rad}, "an angle is not finite");
 }
@@ -204,8 +205,9 @@ void check_message(const CommandMessage& message, const std::string& topic) {
   const Checker check{topic};
   check.text(message.request_id);
   const std::size_t length = std::strlen(message.request_id);
-  check.require(length >= 1 && length <= kLongestRequestId && printable(message.request_id) == message.request_id,
-                "a request id is not 1 to 64 printable characters");
+  check.require(
+      length >= 1 && length <= kLongestRequestId && printable(message.request_id) == message.request_id,
+      "a request id is not 1 to 64 printable characters");
   check.text(message.object_name);
   check.text(message.model_file);
 }

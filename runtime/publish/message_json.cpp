@@ -88,7 +88,9 @@ Json json_of(const geometry_msgs_msg_dds__TransformStamped_& t) {
   const geometry_msgs_msg_dds__Pose_ pose{{at.x, at.y, at.z}, t.transform.rotation};
   return {{"header", json_of(t.header)},
           {"child_frame_id", printable(t.child_frame_id)},
-          {"transform", {{"translation", {{"x", at.x}, {"y", at.y}, {"z", at.z}}}, {"rotation", json_of(pose)["orientation"]}}},
+          {"transform",
+           {{"translation", {{"x", at.x}, {"y", at.y}, {"z", at.z}}},
+            {"rotation", json_of(pose)["orientation"]}}},
           {"camera_from_object", matrix_of(pose)}};
 }
 

@@ -45,10 +45,9 @@ std::string to_text(const PoseStampedMessage& message) {
 }
 
 std::string to_text(const PoseEstimateArrayMessage& message) {
-  std::string text =
-      fmt::format("{}  frame {}: {}  ({:.3f} s, {} nodes, age {:.3f} s)", text_of(message.header),
-                  message.frame_number, printable(message.message), message.solve_time_s, message.nodes,
-                  message.age_s);
+  std::string text = fmt::format("{}  frame {}: {}  ({:.3f} s, {} nodes, age {:.3f} s)",
+                                 text_of(message.header), message.frame_number, printable(message.message),
+                                 message.solve_time_s, message.nodes, message.age_s);
   for (std::uint32_t i = 0; i < message.estimates._length; ++i) {
     const auto& e = message.estimates._buffer[i];
     text += fmt::format("\n  {} ({}): {}, score {:.3f}, log score {:.4f}, bound {:.4f}, gap {:.4f}\n    {}",
@@ -65,8 +64,8 @@ std::string to_text(const PoseEstimateArrayMessage& message) {
 }
 
 std::string to_text(const TfMessage& message) {
-  std::string text = fmt::format("{} transform{}", message.transforms._length,
-                                 message.transforms._length == 1 ? "" : "s");
+  std::string text =
+      fmt::format("{} transform{}", message.transforms._length, message.transforms._length == 1 ? "" : "s");
   for (std::uint32_t i = 0; i < message.transforms._length; ++i) {
     const auto& t = message.transforms._buffer[i];
     const auto& at = t.transform.translation;
@@ -95,9 +94,10 @@ std::string to_text(const ImageMessage& message) {
 std::string to_text(const TableEstimateMessage& message) {
   const auto& up = message.up_in_camera;
   constexpr double kDegrees = 57.29577951308232;
-  return fmt::format("{}  camera {:.4f} m above the table, pitch {:.2f} deg, roll {:.2f} deg, up [{:.4f} {:.4f} {:.4f}]",
-                     text_of(message.header), message.camera_height_m, message.pitch_rad * kDegrees,
-                     message.roll_rad * kDegrees, up.x, up.y, up.z);
+  return fmt::format(
+      "{}  camera {:.4f} m above the table, pitch {:.2f} deg, roll {:.2f} deg, up [{:.4f} {:.4f} {:.4f}]",
+      text_of(message.header), message.camera_height_m, message.pitch_rad * kDegrees,
+      message.roll_rad * kDegrees, up.x, up.y, up.z);
 }
 
 std::string to_text(const DiagnosticArrayMessage& message) {
@@ -108,7 +108,8 @@ std::string to_text(const DiagnosticArrayMessage& message) {
     text += fmt::format("\n  {} {}: {}", s.level < 4 ? kLevels[s.level] : "?", printable(s.name),
                         printable(s.message));
     for (std::uint32_t j = 0; j < s.values._length; ++j) {
-      text += fmt::format("\n    {}: {}", printable(s.values._buffer[j].key), printable(s.values._buffer[j].value));
+      text += fmt::format("\n    {}: {}", printable(s.values._buffer[j].key),
+                          printable(s.values._buffer[j].value));
     }
   }
   return text;
@@ -126,8 +127,10 @@ std::string to_text(const CommandAnswerMessage& message) {
                         printable(o.model_file));
   }
   const auto& r = message.region;
-  text += r[2] == 0 ? "\n  region: whole image" : fmt::format("\n  region: {} {} {} {}", r[0], r[1], r[2], r[3]);
-  text += message.deadline_ms > 0 ? fmt::format("\n  deadline: {:.4g} ms", message.deadline_ms) : "\n  deadline: none";
+  text +=
+      r[2] == 0 ? "\n  region: whole image" : fmt::format("\n  region: {} {} {} {}", r[0], r[1], r[2], r[3]);
+  text += message.deadline_ms > 0 ? fmt::format("\n  deadline: {:.4g} ms", message.deadline_ms)
+                                  : "\n  deadline: none";
   if (message.look.header.stamp.sec != 0) text.append("\n").append(to_text(message.look));
   return text;
 }

@@ -19,7 +19,8 @@ std::string to_text(const DiagnosticArrayMessage& message);
 std::string to_text(const CommandAnswerMessage& message);
 
 /// Field names as in the .msg files; numbers as they came, infinities as null; poses additionally as
-/// "camera_from_object", 4x4 row-major, metres; of images all but the pixels, of markers the number of points.
+/// "camera_from_object", 4x4 row-major, metres; of images all but the pixels, of markers the number of
+/// points.
 std::string to_json(const Detection3DArrayMessage& message);
 std::string to_json(const PoseStampedMessage& message);
 std::string to_json(const PoseEstimateArrayMessage& message);

@@ -10,8 +10,8 @@
 namespace sextant {
 
 struct ObjectShape {
-  Eigen::Vector3d centre_m{0, 0, 0};    ///< of the smallest box along the axes of the mesh's own frame
-  Eigen::Vector3d size_m{0, 0, 0};      ///< of that box
+  Eigen::Vector3d centre_m{0, 0, 0};       ///< of the smallest box along the axes of the mesh's own frame
+  Eigen::Vector3d size_m{0, 0, 0};         ///< of that box
   std::vector<Eigen::Vector3f> corners{};  ///< of the triangles, three by three, metres
 };
 

@@ -44,8 +44,8 @@ struct Publisher::Impl {
 
   std::vector<const TopicWriter*> writers() const {
     std::vector<const TopicWriter*> all;
-    for (const TopicWriter* writer : {&detections, &object_pose, &pose_estimates, &tf, &markers, &annotated,
-                                      &table, &diagnostics}) {
+    for (const TopicWriter* writer :
+         {&detections, &object_pose, &pose_estimates, &tf, &markers, &annotated, &table, &diagnostics}) {
       if (writer->on()) all.push_back(writer);
     }
     return all;

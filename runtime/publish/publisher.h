@@ -15,8 +15,8 @@
 
 namespace sextant {
 
-/// What to publish, and where. Topics are relative to the name space, or absolute with a leading "/"; an empty
-/// one is off.
+/// What to publish, and where. Topics are relative to the name space, or absolute with a leading "/"; an
+/// empty one is off.
 struct PublisherOptions {
   unsigned domain = 0;       ///< 0..230
   std::string name_space{};  ///< prefix of all topics, e.g. "arm"; empty: none
@@ -28,10 +28,11 @@ struct PublisherOptions {
   std::string annotated_topic = "annotated/image_raw";
   std::string table_topic = "table_estimate";
   std::string diagnostics_topic = "diagnostics";
-  std::string tf_prefix{};    ///< before the object's name in child_frame_id
-  bool marker_mesh = true;    ///< markers show meshes; else boxes
-  double lease_ms = 500;      ///< deadline of detections, liveliness lease of the topics that say where objects are
-  double max_age_ms = 1000;   ///< lifespan of pose_estimates: a late joiner never gets an older one
+  std::string tf_prefix{};  ///< before the object's name in child_frame_id
+  bool marker_mesh = true;  ///< markers show meshes; else boxes
+  double lease_ms =
+      500;  ///< deadline of detections, liveliness lease of the topics that say where objects are
+  double max_age_ms = 1000;      ///< lifespan of pose_estimates: a late joiner never gets an older one
   ObjectShapes object_shapes{};  ///< for Detection3D.bbox and markers; missing: size 0, no shape
 };
 
@@ -44,8 +45,8 @@ struct PublisherStatistics {
   std::uint64_t timeouts = 0;   ///< messages given up because a reliable reader did not keep up
 };
 
-/// A participant and its writers. publish and publish_annotated from one thread, the others from any. Stamps of
-/// poses are FrameResult::captured_at, never "now".
+/// A participant and its writers. publish and publish_annotated from one thread, the others from any. Stamps
+/// of poses are FrameResult::captured_at, never "now".
 class Publisher {
  public:
   /// Throws UsageError for impossible names, DeviceError where DDS cannot start.
@@ -54,8 +55,8 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// Writes the frame's messages. age_s: from capture to now, on a clock that nobody sets. Throws DeviceError when
-  /// DDS fails and std::logic_error for a result that must not leave the process (no stamp, not finite).
+  /// Writes the frame's messages. age_s: from capture to now, on a clock that nobody sets. Throws DeviceError
+  /// when DDS fails and std::logic_error for a result that must not leave the process (no stamp, not finite).
   void publish(const FrameResult& result, double age_s = 0);
   /// True while someone listens to the annotated image: only then is it worth drawing.
   bool annotated_wanted() const;

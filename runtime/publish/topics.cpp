@@ -54,9 +54,7 @@ bool is_topic_path(const std::string& name) {
 
 std::string dds_topic_name(const std::string& name_space, const std::string& name) {
   const bool absolute = !name.empty() && name.front() == '/';
-  const std::string full = absolute             ? name.substr(1)
-                           : name_space.empty() ? name
-                                                : name_space + "/" + name;
+  const std::string full = absolute ? name.substr(1) : name_space.empty() ? name : name_space + "/" + name;
   if (!is_topic_name(full)) {
     throw UsageError(fmt::format("'{}' is not a topic name", full),
                      "use letters, digits and underscores, tokens separated by '/', at most one leading '/'");
@@ -75,9 +73,9 @@ TopicKind topic_kind_of(const std::string& name) {
   for (const NamedKind& named : kKinds) {
     if (last == named.name) return named.kind;
   }
-  throw UsageError(fmt::format("cannot tell what the topic '{}' carries", name),
-                   fmt::format("its last token must be one of {}, or give --type",
-                               fmt::join(topic_kind_names(), ", ")));
+  throw UsageError(
+      fmt::format("cannot tell what the topic '{}' carries", name),
+      fmt::format("its last token must be one of {}, or give --type", fmt::join(topic_kind_names(), ", ")));
 }
 
 }  // namespace sextant

@@ -29,8 +29,8 @@ bool is_topic_name(const std::string& name);
 /// A name as is_topic_name, or one with a leading "/", which no namespace goes before.
 bool is_topic_path(const std::string& name);
 
-/// The DDS topic "rt/<name_space>/<name>", or "rt/<name>" of "/<name>". Throws UsageError for names that ROS 2
-/// would refuse.
+/// The DDS topic "rt/<name_space>/<name>", or "rt/<name>" of "/<name>". Throws UsageError for names that ROS
+/// 2 would refuse.
 std::string dds_topic_name(const std::string& name_space, const std::string& name);
 
 /// Usual names of all kinds, for help texts.

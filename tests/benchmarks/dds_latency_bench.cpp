@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the pipeline and DDS add between capture and subscriber: frames of 640 x 480 at 30 Hz through the daemon's
-// real pipeline and publisher with a detection that takes no time, over loopback UDP to a reader in another thread.
+// What the pipeline and DDS add between capture and subscriber: frames of 640 x 480 at 30 Hz through the
+// daemon's real pipeline and publisher with a detection that takes no time, over loopback UDP to a reader in
+// another thread.
 //   dds_latency_bench [FRAMES]      default 300 (10 s)
 #include <fmt/format.h>
 
@@ -41,7 +42,9 @@ class Ticker : public FrameSource {
     frame.sequence = sent_++;
     return frame;
   }
-  SourceState state() const override { return sent_ >= frames_ ? SourceState::kEnded : SourceState::kRunning; }
+  SourceState state() const override {
+    return sent_ >= frames_ ? SourceState::kEnded : SourceState::kRunning;
+  }
   SourceStatistics statistics() const override { return {}; }
   void close() override {}
 
@@ -102,7 +105,8 @@ int run(int frames) {
           result.sequence = frame.sequence;
           return result;
         },
-        [&](const FrameResult& result, const RgbdFrame&) { publisher.publish(result); }, {}, [](const FrameReport&) {});
+        [&](const FrameResult& result, const RgbdFrame&) { publisher.publish(result); }, {},
+        [](const FrameReport&) {});
     while (!pipeline.wait(std::chrono::milliseconds(100))) {
     }
   }
@@ -112,8 +116,10 @@ int run(int frames) {
   LatencyWindow window;
   for (const double delay : delays_ms) window.add(delay);
   const LatencySummary s = window.summary();
-  fmt::print("capture to subscriber without detection: {} of {} frames, median {:.3f} ms, 95 % {:.3f} ms, worst {:.3f} ms\n",
-             delays_ms.size(), frames, s.median, s.p95, s.largest);
+  fmt::print(
+      "capture to subscriber without detection: {} of {} frames, median {:.3f} ms, 95 % {:.3f} ms, worst "
+      "{:.3f} ms\n",
+      delays_ms.size(), frames, s.median, s.p95, s.largest);
   return 0;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// config/security as it ships: identities made by the script, one participant of each kind on one wire. Domains that
-// differ here are one domain on the network, so that each participant of this process has its own identity.
+// config/security as it ships: identities made by the script, one participant of each kind on one wire.
+// Domains that differ here are one domain on the network, so that each participant of this process has its
+// own identity.
 #include <gmock/gmock.h>
 #include <unistd.h>
 
@@ -32,15 +33,17 @@ class Security : public testing::Test {
  protected:
   Security() {
     if (shell("command -v openssl >/dev/null") != 0) return;
-    ready_ = shell(std::string(kFolder) + "make-identities " + (folder_ / "good").string() + " >/dev/null") == 0 &&
-             shell(std::string(kFolder) + "make-identities " + (folder_ / "evil").string() + " >/dev/null") == 0;
+    ready_ =
+        shell(std::string(kFolder) + "make-identities " + (folder_ / "good").string() + " >/dev/null") == 0 &&
+        shell(std::string(kFolder) + "make-identities " + (folder_ / "evil").string() + " >/dev/null") == 0;
     EXPECT_TRUE(ready_) << "make-identities failed";
     std::random_device random;
     base_ = 1 + random() % 200;
     name_space_ = "secure_" + std::to_string(getpid());
     std::string uri = "file://" SEXTANT_SOURCE_DIR "/config/cyclonedds.xml";
     uri += identity(kDaemon, "good", "sextantd") + identity(kViewer, "good", "viewer") +
-           identity(kOperator, "good", "operator") + identity(kWrongCa, "evil", "viewer") + domain(kPlain, "");
+           identity(kOperator, "good", "operator") + identity(kWrongCa, "evil", "viewer") +
+           domain(kPlain, "");
     setenv("CYCLONEDDS_URI", uri.c_str(), 1);
   }
   void SetUp() override {
@@ -61,7 +64,8 @@ class Security : public testing::Test {
     stream << std::ifstream(std::string(kFolder) + "cyclonedds-secure.xml").rdbuf();
     std::string text = stream.str();
     const auto replace_all = [&](const std::string& what, const std::string& by) {
-      for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at)) text.replace(at, what.size(), by);
+      for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at))
+        text.replace(at, what.size(), by);
     };
     replace_all("${SEXTANT_SECURITY}", (folder_ / ca).string());
     replace_all("${SEXTANT_IDENTITY}", name);
@@ -111,9 +115,11 @@ TEST_F(Security, AnOperatorMayCommandAndAViewerMayNot) {
   CommandServer server(publisher.participant(), {name_space_});
   const DdsEntity viewer = create_participant(id(kViewer));
   EXPECT_THROW(TopicWriter(viewer.get(), topic("command"), topic_type<CommandMessage>(), {}), DeviceError);
-  EXPECT_THROW(TopicWriter(viewer.get(), topic("detections"), topic_type<Detection3DArrayMessage>(), {}), DeviceError);
+  EXPECT_THROW(TopicWriter(viewer.get(), topic("detections"), topic_type<Detection3DArrayMessage>(), {}),
+               DeviceError);
   const DdsEntity op = create_participant(id(kOperator));
-  EXPECT_THROW(TopicWriter(op.get(), topic("detections"), topic_type<Detection3DArrayMessage>(), {}), DeviceError);
+  EXPECT_THROW(TopicWriter(op.get(), topic("detections"), topic_type<Detection3DArrayMessage>(), {}),
+               DeviceError);
 
   std::atomic<bool> stop = false;
   std::atomic<int> served = 0;
@@ -151,7 +157,8 @@ TEST_F(Security, TheScriptIsSafeToRepeatAndRefusesNonsense) {
   EXPECT_EQ(contents("good/viewer/cert.pem"), cert);
   EXPECT_FALSE(contents("good/extra/cert.pem").empty());
   const auto mode = std::filesystem::status(folder_.path() / "good" / "extra" / "key.pem").permissions();
-  EXPECT_EQ(mode & (std::filesystem::perms::group_all | std::filesystem::perms::others_all), std::filesystem::perms::none);
+  EXPECT_EQ(mode & (std::filesystem::perms::group_all | std::filesystem::perms::others_all),
+            std::filesystem::perms::none);
   EXPECT_EQ(shell(script + "2>/dev/null"), 2);
   EXPECT_EQ(shell(script + (folder_ / "good").string() + " a:king >/dev/null 2>&1"), 2);
   EXPECT_EQ(shell(script + (folder_ / "good").string() + " ../a:daemon >/dev/null 2>&1"), 2);

@@ -36,7 +36,8 @@ class Sextantd : public testing::Test {
     const std::filesystem::path file = folder_ / "sextantd.yaml";
     std::ofstream(file) << "source: {dataset: data, " << source << "}\n"
                         << "models: {files: [\"*.sxm\"]}\n"
-                        << "detect: {table: fixed, table_pitch_deg: 40, table_height_m: 0.7, threads: 1" << detect << "}\n"
+                        << "detect: {table: fixed, table_pitch_deg: 40, table_height_m: 0.7, threads: 1"
+                        << detect << "}\n"
                         << "publish: {domain: " << domain_.writing << ", namespace: " << domain_.name_space
                         << ", lease_ms: 500, once_wait_ms: 10000}\n"
                         << "pipeline: {max_age_ms: 60000}\n"
@@ -241,17 +242,19 @@ TEST_F(Sextantd, WaitsForTheNetworkSaysSoAndRecovers) {
   const std::filesystem::path settings = folder_ / "dds.xml";
   // An interface that is not there, as before the network is up.
   const auto write_settings = [&](const std::string& interface) {
-    std::ofstream(settings) << "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\"" << interface
-                            << "\" multicast=\"false\"/></Interfaces><AllowMulticast>false</AllowMulticast></General>"
-                            << "<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address=\"127.0.0.1\"/>"
-                            << "</Peers><SPDPInterval>1s</SPDPInterval></Discovery></Domain></CycloneDDS>";
+    std::ofstream(settings)
+        << "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\""
+        << interface << "\" multicast=\"false\"/></Interfaces><AllowMulticast>false</AllowMulticast></General>"
+        << "<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address=\"127.0.0.1\"/>"
+        << "</Peers><SPDPInterval>1s</SPDPInterval></Discovery></Domain></CycloneDDS>";
   };
   write_settings("no_such0");
   setenv("CYCLONEDDS_URI", ("file://" + settings.string()).c_str(), 1);
   ChildProcess daemon = start({"--config", write_config().string()});
   setenv("CYCLONEDDS_URI", good.c_str(), 1);
   unsetenv("NOTIFY_SOCKET");
-  EXPECT_TRUE(listen(reader_, [&] { return daemon.output("stderr").find("waiting: DDS") != std::string::npos; }));
+  EXPECT_TRUE(
+      listen(reader_, [&] { return daemon.output("stderr").find("waiting: DDS") != std::string::npos; }));
   EXPECT_TRUE(messages_.empty());
   write_settings("lo");
   EXPECT_TRUE(listen(reader_, [&] { return !messages_.empty(); })) << daemon.output("stderr");
@@ -270,12 +273,14 @@ TEST_F(Sextantd, PublishesOnWhenTheDiskOfTheLogIsFull) {
 }
 
 TEST_F(Sextantd, SigtermEndsItWhileItWaits) {
-  setenv("CYCLONEDDS_URI",
-         "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"no_such0\"/></Interfaces></General>"
-         "</Domain></CycloneDDS>",
-         1);
+  setenv(
+      "CYCLONEDDS_URI",
+      "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"no_such0\"/></Interfaces></General>"
+      "</Domain></CycloneDDS>",
+      1);
   ChildProcess daemon = start({"--config", write_config().string()});
-  EXPECT_TRUE(listen(reader_, [&] { return daemon.output("stderr").find("waiting: DDS") != std::string::npos; }));
+  EXPECT_TRUE(
+      listen(reader_, [&] { return daemon.output("stderr").find("waiting: DDS") != std::string::npos; }));
   daemon.send(SIGTERM);
   EXPECT_EQ(daemon.wait(), 0);
 }

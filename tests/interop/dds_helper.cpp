@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A process of somebody else for tests that stop, kill or watch one.
-//   dds_helper publish DOMAIN NAMESPACE SECONDS   publishes 20 frames a second, and listens to itself over the wire
-//   dds_helper listen DOMAIN NAMESPACE            a reliable reader of detections; prints "matched", then a line of
+//   dds_helper publish DOMAIN NAMESPACE SECONDS   publishes 20 frames a second, and listens to itself over
+//   the wire dds_helper listen DOMAIN NAMESPACE            a reliable reader of detections; prints "matched",
+//   then a line of
 //                                                 the number of messages so far whenever some came
 #include <cstdio>
 #include <cstdlib>
@@ -25,7 +26,8 @@ int publish(unsigned domain, const std::string& name_space, double seconds) {
   options.domain = domain;
   options.name_space = name_space;
   Publisher publisher(options);
-  EchoReader reader({domain + 1, name_space + "/detections", TopicKind::kDetections}, [](const EchoMessage&) {});
+  EchoReader reader({domain + 1, name_space + "/detections", TopicKind::kDetections},
+                    [](const EchoMessage&) {});
   for (int i = 0; i < static_cast<int>(seconds * 20); ++i) {
     publisher.publish(random_result(static_cast<unsigned>(i), 2));
     reader.poll(milliseconds(0));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera driver on Fast DDS drives the real sextantd, and its poses come back to Fast DDS: no Cyclone DDS on the
-// other side at either end.
+// A camera driver on Fast DDS drives the real sextantd, and its poses come back to Fast DDS: no Cyclone DDS
+// on the other side at either end.
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -39,9 +39,15 @@ Json image(const cv::Mat& pixels, const std::string& encoding, std::int64_t nano
 
 Json camera_info(std::int64_t nanoseconds) {
   const Json k = {90.0, 0.0, (kWidth - 1) / 2.0, 0.0, 90.0, (kHeight - 1) / 2.0, 0.0, 0.0, 1.0};
-  return {{"header", header_at(nanoseconds)}, {"height", kHeight}, {"width", kWidth}, {"distortion_model", "plumb_bob"},
-          {"d", {0.0, 0.0, 0.0, 0.0, 0.0}},   {"k", k},            {"r", {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}},
-          {"p", {90.0, 0.0, (kWidth - 1) / 2.0, 0.0, 0.0, 90.0, (kHeight - 1) / 2.0, 0.0, 0.0, 0.0, 1.0, 0.0}}};
+  return {
+      {"header", header_at(nanoseconds)},
+      {"height", kHeight},
+      {"width", kWidth},
+      {"distortion_model", "plumb_bob"},
+      {"d", {0.0, 0.0, 0.0, 0.0, 0.0}},
+      {"k", k},
+      {"r", {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}},
+      {"p", {90.0, 0.0, (kWidth - 1) / 2.0, 0.0, 0.0, 90.0, (kHeight - 1) / 2.0, 0.0, 0.0, 0.0, 1.0, 0.0}}};
 }
 
 TEST(FastDdsCamera, DrivesADetection) {
@@ -55,7 +61,8 @@ TEST(FastDdsCamera, DrivesADetection) {
       << "source: {kind: dds}\ncolour: {topic: " << space << "/colour/image_raw}\ndepth: {topic: " << space
       << "/depth/image_raw}\nmodels: {files: [box.sxm]}\n"
       << "detect: {table: fixed, table_pitch_deg: 40, table_height_m: 0.7, threads: 1, threshold: -1e9}\n"
-      << "publish: {domain: " << domain.writing << ", namespace: " << space << "}\npipeline: {max_age_ms: 60000}\n";
+      << "publish: {domain: " << domain.writing << ", namespace: " << space
+      << "}\npipeline: {max_age_ms: 60000}\n";
   ChildProcess daemon({SEXTANTD, "--config", (folder / "sextantd.yaml").string()}, folder.path());
 
   MsgCodec codec(SEXTANT_SOURCE_DIR "/idl/msg");
@@ -65,8 +72,10 @@ TEST(FastDdsCamera, DrivesADetection) {
   sensor.reliable = false;
   sensor.depth = 5;
   for (const char* stream : {"colour", "depth"}) {
-    peer.advertise(name(std::string(stream) + "/image_raw"), MsgCodec::dds_type_name("sensor_msgs/Image"), sensor);
-    peer.advertise(name(std::string(stream) + "/camera_info"), MsgCodec::dds_type_name("sensor_msgs/CameraInfo"), sensor);
+    peer.advertise(name(std::string(stream) + "/image_raw"), MsgCodec::dds_type_name("sensor_msgs/Image"),
+                   sensor);
+    peer.advertise(name(std::string(stream) + "/camera_info"),
+                   MsgCodec::dds_type_name("sensor_msgs/CameraInfo"), sensor);
   }
   peer.subscribe(name("pose_estimates"), MsgCodec::dds_type_name("sextant_msgs/PoseEstimateArray"));
 
@@ -80,7 +89,8 @@ TEST(FastDdsCamera, DrivesADetection) {
     const std::int64_t now = std::chrono::system_clock::now().time_since_epoch().count();
     sent.push_back(now);
     const auto info = codec.encode("sensor_msgs/CameraInfo", camera_info(now));
-    for (const char* stream : {"colour", "depth"}) peer.publish(name(std::string(stream) + "/camera_info"), info);
+    for (const char* stream : {"colour", "depth"})
+      peer.publish(name(std::string(stream) + "/camera_info"), info);
     peer.publish(name("colour/image_raw"), codec.encode("sensor_msgs/Image", image(colour, "rgb8", now)));
     peer.publish(name("depth/image_raw"), codec.encode("sensor_msgs/Image", image(depth, "16UC1", now)));
     answer = peer.take(name("pose_estimates"), std::chrono::milliseconds(100));

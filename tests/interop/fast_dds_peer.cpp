@@ -6,6 +6,8 @@
 #pragma GCC diagnostic ignored "-Wconversion"
 #pragma GCC diagnostic ignored "-Wshadow"
 #pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+#include <fastrtps/utils/IPLocator.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/domain/DomainParticipantListener.hpp>
@@ -16,8 +18,6 @@
 #include <fastdds/dds/subscriber/SampleInfo.hpp>
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
-#include <fastrtps/utils/IPLocator.h>
 #pragma GCC diagnostic pop
 
 #include <atomic>
@@ -74,7 +74,8 @@ Duration_t duration_of(double ms) {
 }
 
 struct Discovery : DomainParticipantListener {
-  void on_publisher_discovery(DomainParticipant*, eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override {
+  void on_publisher_discovery(DomainParticipant*,
+                              eprosima::fastrtps::rtps::WriterDiscoveryInfo&& info) override {
     if (info.status != eprosima::fastrtps::rtps::WriterDiscoveryInfo::DISCOVERED_WRITER) return;
     DiscoveredWriter writer;
     writer.type_name = info.info.typeName().to_string();
@@ -93,10 +94,12 @@ struct Discovery : DomainParticipantListener {
 };
 
 struct Watcher : DataReaderListener {
-  void on_liveliness_changed(DataReader*, const eprosima::fastrtps::LivelinessChangedStatus& status) override {
+  void on_liveliness_changed(DataReader*,
+                             const eprosima::fastrtps::LivelinessChangedStatus& status) override {
     alive = status.alive_count;
   }
-  void on_requested_deadline_missed(DataReader*, const eprosima::fastrtps::RequestedDeadlineMissedStatus& status) override {
+  void on_requested_deadline_missed(
+      DataReader*, const eprosima::fastrtps::RequestedDeadlineMissedStatus& status) override {
     missed = static_cast<int>(status.total_count);
   }
   void on_requested_incompatible_qos(DataReader*, const RequestedIncompatibleQosStatus& status) override {
@@ -148,10 +151,9 @@ FastDdsPeer::FastDdsPeer(unsigned domain) : impl_(std::make_unique<Impl>()) {
   eprosima::fastrtps::rtps::IPLocator::setIPv4(self, "127.0.0.1");
   builtin.initialPeersList.push_back(self);
   builtin.discovery_config.leaseDuration_announcementperiod = Duration_t(0.25L);
-  impl_->participant =
-      needed(DomainParticipantFactory::get_instance()->create_participant(
-                 domain, qos, &impl_->discovery, StatusMask::none()),
-             "participant");
+  impl_->participant = needed(DomainParticipantFactory::get_instance()->create_participant(
+                                  domain, qos, &impl_->discovery, StatusMask::none()),
+                              "participant");
   impl_->subscriber = needed(impl_->participant->create_subscriber(SUBSCRIBER_QOS_DEFAULT), "subscriber");
   impl_->publisher = needed(impl_->participant->create_publisher(PUBLISHER_QOS_DEFAULT), "publisher");
 }
@@ -189,7 +191,9 @@ std::optional<Bytes> FastDdsPeer::take(const std::string& topic, std::chrono::mi
   return std::nullopt;
 }
 
-int FastDdsPeer::matched_writers(const std::string& topic) const { return impl_->watchers.at(topic)->matched; }
+int FastDdsPeer::matched_writers(const std::string& topic) const {
+  return impl_->watchers.at(topic)->matched;
+}
 
 ReaderEvents FastDdsPeer::events(const std::string& topic) const {
   const Watcher& watcher = *impl_->watchers.at(topic);

@@ -30,9 +30,9 @@ struct DiscoveredWriter {
 
 /// What a reader was told without data.
 struct ReaderEvents {
-  int alive = 0;            ///< writers that are alive at this moment
+  int alive = 0;  ///< writers that are alive at this moment
   int missed_deadlines = 0;
-  int incompatible = 0;     ///< writers that offer too little
+  int incompatible = 0;  ///< writers that offer too little
 };
 
 class FastDdsPeer {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fast DDS as an independent subscriber and publisher: every type arrives with its content, decoded by the .msg
-// files alone; quality of service and type hashes are announced as documented; commands come from a stranger.
+// Fast DDS as an independent subscriber and publisher: every type arrives with its content, decoded by the
+// .msg files alone; quality of service and type hashes are announced as documented; commands come from a
+// stranger.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -57,7 +58,8 @@ class Interop : public testing::Test {
 };
 
 void expect_header(const Json& header, const FrameResult& sent) {
-  EXPECT_EQ(header["stamp"]["sec"].get<std::int64_t>() * 1'000'000'000 + header["stamp"]["nanosec"].get<std::int64_t>(),
+  EXPECT_EQ(header["stamp"]["sec"].get<std::int64_t>() * 1'000'000'000 +
+                header["stamp"]["nanosec"].get<std::int64_t>(),
             sent.captured_at.time_since_epoch().count());
   EXPECT_EQ(header["frame_id"], sent.frame_id);
 }
@@ -65,8 +67,7 @@ void expect_header(const Json& header, const FrameResult& sent) {
 void expect_pose(const Json& pose, const RigidTransform& sent) {
   const Json& q = pose["orientation"];
   const Json& p = pose["position"];
-  const Eigen::Matrix3d rotation =
-      Eigen::Quaterniond(q["w"], q["x"], q["y"], q["z"]).toRotationMatrix();
+  const Eigen::Matrix3d rotation = Eigen::Quaterniond(q["w"], q["x"], q["y"], q["z"]).toRotationMatrix();
   EXPECT_LT((rotation - sent.linear()).norm(), 1e-9);
   EXPECT_LT((Eigen::Vector3d(p["x"], p["y"], p["z"]) - sent.translation()).norm(), 1e-12);
 }
@@ -175,14 +176,17 @@ TEST_F(Interop, EveryPublishedTypeArrivesWithItsContent) {
 
 TEST_F(Interop, DiscoverySaysWhatTheManualSays) {
   const Publisher publisher(options());
-  const std::vector<std::string> names = {"detections", "object_pose",         "pose_estimates", "tf",
-                                          "markers",    "annotated/image_raw", "table_estimate", "diagnostics"};
+  const std::vector<std::string> names = {
+      "detections", "object_pose",         "pose_estimates", "tf",
+      "markers",    "annotated/image_raw", "table_estimate", "diagnostics"};
   ASSERT_TRUE(eventually([&] {
     const auto found = peer_.discovered();
-    return std::all_of(names.begin(), names.end(), [&](const auto& name) { return found.count(topic(name)) > 0; });
+    return std::all_of(names.begin(), names.end(),
+                       [&](const auto& name) { return found.count(topic(name)) > 0; });
   }));
   auto found = peer_.discovered();
-  const auto expect = [&](const std::string& name, const std::string& type, const char* hash) -> DiscoveredWriter& {
+  const auto expect = [&](const std::string& name, const std::string& type,
+                          const char* hash) -> DiscoveredWriter& {
     DiscoveredWriter& w = found[topic(name)];
     EXPECT_EQ(w.type_name, MsgCodec::dds_type_name(type));
     EXPECT_EQ(w.user_data, std::string("typehash=") + hash + ";");
@@ -198,7 +202,9 @@ TEST_F(Interop, DiscoverySaysWhatTheManualSays) {
       expect("pose_estimates", "sextant_msgs/PoseEstimateArray", topic_type<PoseEstimateArrayMessage>().hash);
   EXPECT_NEAR(native.lifespan_ms, 60000, 0.01);
   EXPECT_EQ(native.deadline_ms, 0);
-  EXPECT_EQ(expect("object_pose", "geometry_msgs/PoseStamped", topic_type<PoseStampedMessage>().hash).deadline_ms, 0);
+  EXPECT_EQ(
+      expect("object_pose", "geometry_msgs/PoseStamped", topic_type<PoseStampedMessage>().hash).deadline_ms,
+      0);
   expect("tf", "tf2_msgs/TFMessage", topic_type<TfMessage>().hash);
   expect("markers", "visualization_msgs/MarkerArray", topic_type<MarkerArrayMessage>().hash);
   expect("annotated/image_raw", "sensor_msgs/Image", topic_type<ImageMessage>().hash);
@@ -263,7 +269,7 @@ TEST_F(Interop, AStrangersCommandIsServedAndAnswered) {
   peer_.advertise(topic("command"), MsgCodec::dds_type_name("sextant_msgs/Command"));
   subscribe("command_answer", "sextant_msgs/CommandAnswer");
   ASSERT_TRUE(eventually([&] { return peer_.matched_readers(topic("command")) > 0; }));
-  const Json sent = {{"request_id", "fast-1"}, {"kind", 8},      {"object_name", "mug"},
+  const Json sent = {{"request_id", "fast-1"}, {"kind", 8},     {"object_name", "mug"},
                      {"model_file", ""},       {"value", -1.5}, {"region", {1, 2, 3, 4}}};
   ASSERT_TRUE(peer_.publish(topic("command"), codec_.encode("sextant_msgs/Command", sent)));
   std::vector<Command> got;
@@ -296,7 +302,8 @@ TEST_F(Interop, AnImageOfAStrangerArrivesWhole) {
   peer_.advertise(topic("camera"), MsgCodec::dds_type_name("sensor_msgs/Image"));
   const QosPointer qos = make_qos({.reliable = false, .depth = 5});
   const RawReader reader(domain_.writing, *topic_type<ImageMessage>().descriptor, topic("camera"), qos.get());
-  ASSERT_TRUE(eventually([&] { return reader.matched() == 1 && peer_.matched_readers(topic("camera")) == 1; }));
+  ASSERT_TRUE(
+      eventually([&] { return reader.matched() == 1 && peer_.matched_readers(topic("camera")) == 1; }));
   std::vector<std::uint8_t> depth(640 * 480 * 2);
   std::iota(depth.begin(), depth.end(), std::uint8_t{0});
   const Json sent = {{"header", {{"stamp", {{"sec", 5}, {"nanosec", 6}}}, {"frame_id", "depth"}}},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the network and other participants do to us, and that poses go on: docs/run-on-your-robot.md, "When things
-// go wrong".
+// What the network and other participants do to us, and that poses go on: docs/run-on-your-robot.md, "When
+// things go wrong".
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <sys/socket.h>
@@ -69,7 +69,9 @@ class Impostor {
   }
 
  private:
-  int port(int index, int kind) const { return 7400 + 250 * static_cast<int>(domain_) + 10 + 2 * index + kind; }
+  int port(int index, int kind) const {
+    return 7400 + 250 * static_cast<int>(domain_) + 10 + 2 * index + kind;
+  }
   static sockaddr_in of(int port) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -110,7 +112,8 @@ TEST(Faults, MalformedTrafficStopsNeitherPosesNorCommands) {
       std::generate(packet.begin() + 8, packet.end(), [&] { return static_cast<std::uint8_t>(random()); });
     } else {  // a real one with some bytes or its end changed
       packet = real[random() % real.size()];
-      for (unsigned k = 0; k <= random() % 8; ++k) packet[random() % packet.size()] = static_cast<std::uint8_t>(random());
+      for (unsigned k = 0; k <= random() % 8; ++k)
+        packet[random() % packet.size()] = static_cast<std::uint8_t>(random());
       if (round % 3 == 2) packet.resize(1 + random() % packet.size());
     }
     impostor.send_to_all(packet);
@@ -124,7 +127,8 @@ TEST(Faults, MalformedTrafficStopsNeitherPosesNorCommands) {
   EXPECT_TRUE(eventually([&] {
     publisher.publish(random_result(++frame, 1));
     return reader.poll(milliseconds(5)) > 0;
-  })) << "the old reader is starved; it had " << before;
+  })) << "the old reader is starved; it had "
+      << before;
   int fresh = 0;
   EchoReader late({domain.reading, domain.name_space + "/object_pose", TopicKind::kObjectPose},
                   [&](const EchoMessage&) { ++fresh; });
@@ -154,7 +158,8 @@ TEST(Faults, AStoppedReliableReaderHoldsNobodyUpAndAKilledOneIsForgotten) {
   const DdsTestDomain domain;
   const TemporaryFolder folder;
   Publisher publisher(options_of(domain));
-  ChildProcess stranger({DDS_HELPER, "listen", std::to_string(domain.writing), domain.name_space}, folder.path());
+  ChildProcess stranger({DDS_HELPER, "listen", std::to_string(domain.writing), domain.name_space},
+                        folder.path());
   ASSERT_TRUE(eventually([&] { return publisher.matched_readers() == 1; }));
   const QosPointer qos = make_qos({.reliable = true, .depth = 1000});
   const RawReader friendly(domain.reading, *topic_type<Detection3DArrayMessage>().descriptor,
@@ -207,9 +212,10 @@ TEST(Faults, AReaderThatDoesNotReadGetsTheNewestOnes) {
 
 TEST(Faults, SmallSocketBuffersLosePicturesNotPoses) {
   const DdsTestDomain domain;
-  const std::string uri = std::string(std::getenv("CYCLONEDDS_URI")) +
-                          ",<CycloneDDS><Domain Id=\"any\"><Internal><SocketReceiveBufferSize min=\"default\" max=\"8kB\"/>"
-                          "</Internal></Domain></CycloneDDS>";
+  const std::string uri =
+      std::string(std::getenv("CYCLONEDDS_URI")) +
+      ",<CycloneDDS><Domain Id=\"any\"><Internal><SocketReceiveBufferSize min=\"default\" max=\"8kB\"/>"
+      "</Internal></Domain></CycloneDDS>";
   setenv("CYCLONEDDS_URI", uri.c_str(), 1);
   Publisher publisher(options_of(domain));
   int poses = 0, pictures = 0;

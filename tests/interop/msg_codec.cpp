@@ -60,7 +60,8 @@ const std::vector<MsgCodec::Field>& MsgCodec::fields_of(const std::string& type)
     const std::string code = line.substr(0, line.find('#'));
     if (!std::regex_match(code, match, form)) continue;
     Field field{match[4], match[1]};
-    if (!is_basic(field.base) && field.base.find('/') == std::string::npos) field.base = package + "/" + field.base;
+    if (!is_basic(field.base) && field.base.find('/') == std::string::npos)
+      field.base = package + "/" + field.base;
     field.sequence = match[2].matched && match[3].length() == 0;
     if (match[3].length() > 0) field.array = std::stoul(match[3]);
     fields.push_back(field);
@@ -146,11 +147,11 @@ void MsgCodec::write_type(C& cdr, const std::string& type, const Json& value) {
   }
   for (const Field& field : fields) {
     const bool many = field.sequence || field.array > 0;
-    const Json empty = many                         ? Json::array()
-                       : field.base == "string"     ? Json("")
-                       : field.base == "bool"       ? Json(false)
-                       : is_basic(field.base)       ? Json(0)
-                                                    : Json::object();
+    const Json empty = many                     ? Json::array()
+                       : field.base == "string" ? Json("")
+                       : field.base == "bool"   ? Json(false)
+                       : is_basic(field.base)   ? Json(0)
+                                                : Json::object();
     const Json given = value.contains(field.name) ? value.at(field.name) : empty;
     if (!many) {
       write_value(cdr, field.base, given);

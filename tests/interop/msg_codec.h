@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Messages by their .msg files and Fast CDR alone: decodes any type to JSON and back without a line of what idlc
-// generates, so that it can disagree with it.
+// Messages by their .msg files and Fast CDR alone: decodes any type to JSON and back without a line of what
+// idlc generates, so that it can disagree with it.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@ class MsgCodec {
  public:
   explicit MsgCodec(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// `type` as in "sensor_msgs/Image". With the 4-byte encapsulation header. Throws where bytes are missing or left.
+  /// `type` as in "sensor_msgs/Image". With the 4-byte encapsulation header. Throws where bytes are missing
+  /// or left.
   nlohmann::json decode(const std::string& type, const std::vector<std::uint8_t>& bytes);
   /// Fields that `value` leaves out are zero or empty; unknown ones throw.
   std::vector<std::uint8_t> encode(const std::string& type, const nlohmann::json& value);

@@ -17,7 +17,8 @@ TEST(MsgCodec, WritesTheBytesThatCdrPrescribes) {
   EXPECT_EQ(codec.encode("std_msgs/Header", value), header);
   EXPECT_EQ(codec.decode("std_msgs/Header", header), value);
   // Doubles begin at multiples of 8 after the encapsulation.
-  const auto pose = codec.encode("geometry_msgs/PoseStamped", {{"header", value}, {"pose", {{"position", {{"x", 1.0}}}}}});
+  const auto pose =
+      codec.encode("geometry_msgs/PoseStamped", {{"header", value}, {"pose", {{"position", {{"x", 1.0}}}}}});
   EXPECT_EQ(pose.size(), 4U + 16 + 7 * 8);
   EXPECT_EQ(pose[4 + 16 + 7], 0x3f);
 }

@@ -30,7 +30,7 @@ TEST(Annotate, DrawsTheOutlineWhereTheObjectIsAndLeavesTheFrameAlone) {
   const cv::Vec3b edge = image.at<cv::Vec3b>(60, 95);  // right side of the square
   EXPECT_GT(edge[1], 150);
   EXPECT_LT(edge[0], 100);
-  EXPECT_EQ(image.at<cv::Vec3b>(70, 72), cv::Vec3b(40, 40, 40));   // inside
+  EXPECT_EQ(image.at<cv::Vec3b>(70, 72), cv::Vec3b(40, 40, 40));    // inside
   EXPECT_EQ(image.at<cv::Vec3b>(110, 150), cv::Vec3b(40, 40, 40));  // far away
   EXPECT_EQ(cv::countNonZero(frame.colour.reshape(1) != 40), 0);
 

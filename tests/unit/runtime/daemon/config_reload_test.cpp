@@ -22,7 +22,8 @@ TEST(ConfigReload, NamesWhatChanged) {
 
 TEST(ConfigReload, LetsDetectionChangeAndRefusesTheRest) {
   const DaemonConfig running = parse("");
-  EXPECT_THAT(check_reload(running, parse("detect: {threads: 3}\n"), "f"), testing::ElementsAre("detect.threads"));
+  EXPECT_THAT(check_reload(running, parse("detect: {threads: 3}\n"), "f"),
+              testing::ElementsAre("detect.threads"));
   for (const char* fixed : {"publish: {domain: 3}\n", "publish: {tf: \"\"}\n", "pipeline: {max_age_ms: 77}\n",
                             "commands: {command: \"\"}\n"}) {
     try {

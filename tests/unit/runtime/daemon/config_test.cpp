@@ -190,7 +190,8 @@ TEST(Config, ChecksWhatNoKeyKnowsAlone) {
   EXPECT_THAT(error_of(base + "publish: {detections: a, object_pose: a}\n"), HasSubstr("same name"));
   EXPECT_THAT(error_of(base + "publish: {namespace: " + std::string(195, 'a') + "}\n"),
               HasSubstr("too long"));
-  EXPECT_THAT(error_of(base + "publish: {namespace: arm, tf: /arm/markers}\n"), HasSubstr("same name: arm/markers"));
+  EXPECT_THAT(error_of(base + "publish: {namespace: arm, tf: /arm/markers}\n"),
+              HasSubstr("same name: arm/markers"));
   EXPECT_THAT(error_of(base + "commands: {answer: \"\"}\n"), HasSubstr("a topic name"));
   EXPECT_NO_THROW(parse(base + "publish: {detections: \"\", object_pose: \"\", pose_estimates: \"\"}\n"));
 }
@@ -199,8 +200,8 @@ TEST(Config, FoldersOfModelsAreThoseOfThePatterns) {
   DaemonConfig config;
   config.folder = "/etc/sextant";
   config.models.files = {"models/*.sxm", "models/mug.sxm", "/opt/more/can.sxm"};
-  EXPECT_THAT(model_folders(config),
-              testing::ElementsAre(std::filesystem::path("/etc/sextant/models"), std::filesystem::path("/opt/more")));
+  EXPECT_THAT(model_folders(config), testing::ElementsAre(std::filesystem::path("/etc/sextant/models"),
+                                                          std::filesystem::path("/opt/more")));
 }
 
 constexpr char kCameras[] =

@@ -199,8 +199,8 @@ TEST(ServiceLoad, OnlyFromTheFoldersOfTheConfiguration) {
   EXPECT_EQ(load((folder / "models").string() + "/cup.sxm").objects.size(), 2U);  // again: replaced
   for (const std::string& bad :
        {(folder / "secret").string() + "/key.sxm", std::string("../secret/key.sxm"),
-        (folder / "models").string() + "/../secret/key.sxm", std::string("nothing.sxm"), std::string("bad.sxm"),
-        std::string("."), std::string("/etc/passwd")}) {
+        (folder / "models").string() + "/../secret/key.sxm", std::string("nothing.sxm"),
+        std::string("bad.sxm"), std::string("."), std::string("/etc/passwd")}) {
     answer = load(bad);
     EXPECT_EQ(answer.result, CommandResult::kFailed) << bad;
     EXPECT_EQ(answer.objects.size(), 2U) << bad;

@@ -79,8 +79,10 @@ TEST(Health, LevelsSayWhatIsWrong) {
     change(now, health);
     return health.report(now, 1, {});
   };
-  EXPECT_EQ(report_of([](auto& now, auto&) { now.pipeline.published = 0; }).parts[kPipeline].level, DiagnosticLevel::kStale);
-  EXPECT_EQ(report_of([](auto& now, auto&) { now.pipeline.too_old = 2; }).parts[kPipeline].level, DiagnosticLevel::kWarn);
+  EXPECT_EQ(report_of([](auto& now, auto&) { now.pipeline.published = 0; }).parts[kPipeline].level,
+            DiagnosticLevel::kStale);
+  EXPECT_EQ(report_of([](auto& now, auto&) { now.pipeline.too_old = 2; }).parts[kPipeline].level,
+            DiagnosticLevel::kWarn);
   const DiagnosticReport failing = report_of([](auto& now, auto& health) {
     now.pipeline.published = 0;
     now.pipeline.failed = 3;
@@ -101,7 +103,8 @@ TEST(Health, LevelsSayWhatIsWrong) {
             DiagnosticLevel::kStale);
   EXPECT_EQ(report_of([](auto& now, auto&) { now.source.drop(DropReason::kLost) = 1; }).parts[kSource].level,
             DiagnosticLevel::kWarn);
-  EXPECT_EQ(report_of([](auto& now, auto&) { now.publisher.timeouts = 1; }).parts[kDds].level, DiagnosticLevel::kWarn);
+  EXPECT_EQ(report_of([](auto& now, auto&) { now.publisher.timeouts = 1; }).parts[kDds].level,
+            DiagnosticLevel::kWarn);
   const DiagnosticReport bounded = report_of([](auto&, auto& health) {
     FrameResult result;
     result.objects.push_back({1, "mug", SearchStatus::kBounded, 0, 0, 1});

@@ -193,8 +193,8 @@ TEST(Pipeline, ADeadNetworkEndsIt) {
   source.run_forever();
   Collector out;
   const Pipeline pipeline(
-      source, empty_result, [](const FrameResult&, const RgbdFrame&) { throw DeviceError("DDS", "write", ""); }, {},
-      out.report());
+      source, empty_result,
+      [](const FrameResult&, const RgbdFrame&) { throw DeviceError("DDS", "write", ""); }, {}, out.report());
   ASSERT_TRUE(pipeline.wait(kPatience));
   EXPECT_THROW(pipeline.rethrow_error(), DeviceError);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands over the real DDS and loopback UDP: asked again until answered, done once, strangers' nonsense ignored.
+// Commands over the real DDS and loopback UDP: asked again until answered, done once, strangers' nonsense
+// ignored.
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -28,7 +29,8 @@ class Answering {
 
   Answering(const DdsTestDomain& domain, Handle handle)
       : participant_(create_participant(domain.writing)),
-        server_(participant_.get(), {domain.name_space}, [this](const std::string& w) { warnings.push_back(w); }),
+        server_(participant_.get(), {domain.name_space},
+                [this](const std::string& w) { warnings.push_back(w); }),
         handle_(std::move(handle)),
         thread_([this] {
           while (!stop_) {
@@ -131,7 +133,8 @@ TEST(Commands, NonsenseIsReportedAndTheNextOneServed) {
   const DdsTestDomain domain;
   Answering daemon(domain, done);
   const DdsEntity participant = create_participant(domain.reading);
-  const TopicWriter stranger(participant.get(), "rt/" + domain.name_space + "/command", topic_type<CommandMessage>(), {});
+  const TopicWriter stranger(participant.get(), "rt/" + domain.name_space + "/command",
+                             topic_type<CommandMessage>(), {});
   ASSERT_TRUE(eventually([&] { return stranger.matched_readers() > 0; }));
   const std::string huge(5000, 'x');
   for (const std::string& id : {std::string(), huge, std::string("\x1b[2J")}) {

@@ -131,7 +131,8 @@ TEST(HostileMessage, OfTheOtherTopicsIsRefusedToo) {
     command.request_id = const_cast<char*>(id.c_str());
     EXPECT_NO_THROW(check_message(command, "rt/t"));
   }
-  for (const std::string& id : {std::string(), std::string(65, 'b'), std::string("a\nb"), std::string("\xc3\xa9")}) {
+  for (const std::string& id :
+       {std::string(), std::string(65, 'b'), std::string("a\nb"), std::string("\xc3\xa9")}) {
     command.request_id = const_cast<char*>(id.c_str());
     EXPECT_THROW(check_message(command, "rt/t"), InputError);
   }

@@ -285,7 +285,10 @@ TEST(RoundTrip, DiagnosticsArriveEqual) {
   DiagnosticReport sent;
   sent.at = CaptureTime(std::chrono::nanoseconds(1'700'000'000'000'000'042));
   sent.hardware_id = "arm";
-  sent.parts = {{DiagnosticLevel::kWarn, "sextantd: pipeline", "3 frames dropped", {{"dropped", "3"}, {"rate_hz", "30"}}},
+  sent.parts = {{DiagnosticLevel::kWarn,
+                 "sextantd: pipeline",
+                 "3 frames dropped",
+                 {{"dropped", "3"}, {"rate_hz", "30"}}},
                 {DiagnosticLevel::kOk, "sextantd: DDS", "", {}}};
   pair.publisher.publish_diagnostics(sent);
   ASSERT_TRUE(pair.listener.wait_for([&] { return !pair.listener.messages.empty(); }));
@@ -302,9 +305,9 @@ TEST(RoundTrip, DiagnosticsArriveEqual) {
 TEST(RoundTrip, TopicsThatAreOffDoNotExistAndAbsoluteOnesHaveNoNamespace) {
   DdsTestDomain domain;
   PublisherOptions options = options_of(domain);
-  for (std::string* topic : {&options.detections_topic, &options.object_pose_topic, &options.pose_estimates_topic,
-                             &options.markers_topic, &options.annotated_topic, &options.table_topic,
-                             &options.diagnostics_topic})
+  for (std::string* topic :
+       {&options.detections_topic, &options.object_pose_topic, &options.pose_estimates_topic,
+        &options.markers_topic, &options.annotated_topic, &options.table_topic, &options.diagnostics_topic})
     topic->clear();
   options.tf_topic = "/" + domain.name_space + "_elsewhere/tf";
   Publisher publisher(options);
