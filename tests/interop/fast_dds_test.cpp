@@ -271,12 +271,15 @@ TEST_F(Interop, AStrangersCommandIsServedAndAnswered) {
   ASSERT_TRUE(eventually([&] { return peer_.matched_readers(topic("command")) > 0; }));
   const Json sent = {{"request_id", "fast-1"}, {"kind", 8},     {"object_name", "mug"},
                      {"model_file", ""},       {"value", -1.5}, {"region", {1, 2, 3, 4}}};
-  ASSERT_TRUE(peer_.publish(topic("command"), codec_.encode("sextant_msgs/Command", sent)));
+  const auto bytes = codec_.encode("sextant_msgs/Command", sent);
   std::vector<Command> got;
+  // Sent again until it is there, as the manual says: our reader is best-effort, and it is done once.
   ASSERT_TRUE(eventually([&] {
+    peer_.publish(topic("command"), bytes);
     for (Command& c : server.poll(milliseconds(10))) got.push_back(c);
     return !got.empty();
   }));
+  EXPECT_TRUE(server.poll(milliseconds(50)).empty());
   EXPECT_EQ(got[0].request_id, "fast-1");
   EXPECT_EQ(got[0].kind, CommandKind::kLook);
   EXPECT_EQ(got[0].object_name, "mug");

@@ -52,13 +52,32 @@ def capture(folder, domain, name_space):
 
 
 def announcements(text):
-    """The text of each announced endpoint, by topic."""
+    """The text of each announced writer, by topic."""
     found = {}
     for block in re.split(r"\n    submessageId: ", text):
-        match = re.search(r"topic: (rt/\S+)", block, re.I) or re.search(r"PID_TOPIC_NAME.*?(rt/[\w/]+)", block, re.S)
-        if match and "DATA(w)" in block:
+        match = re.search(r"\n +topic: (rt/\S+)", block)
+        if match and "ENTITYID_BUILTIN_PUBLICATIONS_WRITER" in block:
             found.setdefault(match.group(1), block)
     return found
+
+
+def wrong_with(name, block):
+    """What the dissector sees otherwise than the manual says. Defaults (reliable writer, volatile) are not sent."""
+    type_name, durability = TOPICS[name]
+    if "typeName: %s\n" % type_name not in block:
+        yield "the type name is not " + type_name
+    if "BEST_EFFORT_RELIABILITY_QOS" in block:
+        yield "it is best-effort"
+    if ("TRANSIENT_LOCAL_DURABILITY_QOS" in block) != (durability == "TRANSIENT_LOCAL"):
+        yield "the durability is not " + durability
+    if ("PID_LIFESPAN" in block) != (name == "pose_estimates"):
+        yield "only pose_estimates has a lifespan"
+    if ("PID_DEADLINE" in block) != (name == "detections"):
+        yield "only detections has a deadline"
+    if ("PID_LIVELINESS" in block) != (name in ("detections", "object_pose", "pose_estimates", "table_estimate")):
+        yield "the topics that say where objects are, and only they, have a lease"
+    if "userData: " + b"typehash=RIHS01_".hex() not in block:
+        yield "no type hash"
 
 
 def main():
@@ -70,18 +89,16 @@ def main():
     if "--print" in sys.argv:
         print(text)
     found, failures = announcements(text), []
-    for name, (type_name, durability) in TOPICS.items():
+    for name in TOPICS:
         block = found.get("rt/%s/%s" % (name_space, name))
         if block is None:
             failures.append("%s is not announced (seen: %s)" % (name, sorted(found)))
             continue
-        for needed in (type_name, "RELIABLE_RELIABILITY_QOS", durability + "_DURABILITY_QOS"):
-            if needed not in block:
-                failures.append("%s: the dissector does not see %s" % (name, needed))
+        failures += ["%s: %s" % (name, wrong) for wrong in wrong_with(name, block)]
     if "Malformed Packet" in text:
         failures.append("the dissector calls a packet malformed")
-    if not re.search(r"DATA[^\n]*\(0x15\)", text):
-        failures.append("no data were seen")
+    if text.count("[topic: rt/%s/detections]" % name_space) < 10:
+        failures.append("the data of detections were not seen")
     for failure in failures:
         print("FAILED:", failure)
     print("%d endpoints seen by tshark, %d failures" % (len(found), len(failures)))
