@@ -6,9 +6,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <memory>
 
+#include "offline/cli/stop_on_signal.h"
 #include "runtime/base/error.h"
 #include "runtime/publish/dds_log.h"
 #include "runtime/publish/echo_reader.h"
@@ -21,31 +21,6 @@ using Clock = std::chrono::steady_clock;
 
 /// How long one wait may take: how fast a signal is answered.
 constexpr std::chrono::milliseconds kSlice{100};
-
-/// Set by a signal; a handler can reach nothing but a global.
-volatile std::sig_atomic_t stop_requested = 0;
-
-/// While it lives, SIGINT and SIGTERM end the loop instead of the process.
-class StopOnSignal {
- public:
-  StopOnSignal() {
-    stop_requested = 0;
-    struct sigaction action {};
-    action.sa_handler = [](int) { stop_requested = 1; };
-    sigaction(SIGINT, &action, &old_interrupt_);
-    sigaction(SIGTERM, &action, &old_terminate_);
-  }
-  ~StopOnSignal() {
-    sigaction(SIGINT, &old_interrupt_, nullptr);
-    sigaction(SIGTERM, &old_terminate_, nullptr);
-  }
-  StopOnSignal(const StopOnSignal&) = delete;
-  StopOnSignal& operator=(const StopOnSignal&) = delete;
-
- private:
-  struct sigaction old_interrupt_ {};
-  struct sigaction old_terminate_ {};
-};
 
 void print_warning(const std::string& line) { fmt::print(stderr, "sextant echo: {}\n", line); }
 
@@ -71,7 +46,7 @@ int run_echo(const EchoOptions& options, std::FILE* out) {
 
   const Clock::time_point start = Clock::now();
   const std::chrono::duration<double> limit(options.timeout_s);
-  while (stop_requested == 0 && (options.count == 0 || printed < options.count)) {
+  while (!signals.requested() && (options.count == 0 || printed < options.count)) {
     if (options.timeout_s > 0 && Clock::now() - start >= limit) break;
     reader.poll(kSlice, options.count == 0 ? 100 : options.count - printed);
   }
@@ -83,10 +58,12 @@ CLI::App* add_echo_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<EchoOptions>();
   CLI::App* command = app.add_subcommand("echo", "Print poses that arrive over DDS");
   command->footer("Example: sextant echo --topic object_pose --count 1 --timeout-s 10 --require --json");
-  command->add_option("--topic", options->topic, "topic without rt/, with its namespace: arm/pose_estimates")
+  command
+      ->add_option("--topic", options->topic,
+                   "topic without rt/, with its namespace: arm/pose_estimates, tf, diagnostics, ...")
       ->capture_default_str();
   command->add_option("--type", options->type, "what it carries; default: by the last part of the topic")
-      ->check(CLI::IsMember({"detections", "object_pose", "pose_estimates"}));
+      ->check(CLI::IsMember(topic_kind_names()));
   command->add_option("--domain", options->domain, "DDS domain, 0..230")
       ->envname("ROS_DOMAIN_ID")
       ->check(CLI::Range(0, 230))

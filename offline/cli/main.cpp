@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "offline/cli/ask.h"
 #include "offline/cli/calibrate_command.h"
 #include "offline/cli/commands.h"
 #include "offline/cli/echo.h"
@@ -39,6 +40,7 @@ int main(int argc, char** argv) {
   sextant::add_synthesize_command(app, exit_code);
   sextant::add_tune_command(app, exit_code);
   sextant::add_echo_command(app, exit_code);
+  sextant::add_ask_command(app, exit_code);
   sextant::add_record_command(app, exit_code);
   sextant::add_camera_command(app, exit_code);
   sextant::add_doctor_command(app, exit_code);

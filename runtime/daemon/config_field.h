@@ -28,6 +28,7 @@ struct ConfigField {
   std::vector<std::string> choices{};                        ///< of text; empty: any
   std::function<bool(const std::string&)> accepts{};         ///< of text; empty: any
   std::string accepted_form{};                               ///< what `accepts` accepts, in words
+  bool reloads = false;  ///< SIGHUP and `sextant ask reload` apply a change
 };
 
 /// A section with its heading for the reference.

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <numbers>
+#include <set>
 
 #include "runtime/base/error.h"
 #include "runtime/daemon/daemon_config.h"
@@ -27,6 +28,27 @@ TableSource table_source(const std::string& name) {
   if (name == "estimate") return TableSource::kEstimate;
   if (name == "fixed") return TableSource::kFixed;
   return TableSource::kFrame;
+}
+
+void check_topics(const DaemonConfig& config, const std::string& where) {
+  const auto& p = config.publish;
+  std::set<std::string> seen;
+  for (const std::string& topic :
+       {p.detections, p.object_pose, p.pose_estimates, p.tf, p.markers, p.annotated, p.table_estimate,
+        p.diagnostics, config.commands.command, config.commands.answer}) {
+    if (topic.empty()) continue;
+    std::string full;
+    try {
+      full = dds_topic_name(p.name_space, topic);
+    } catch (const UsageError&) {
+      throw InputError(where, "publish.namespace and a topic are too long together",
+                       "use at most 200 characters");
+    }
+    if (!seen.insert(full).second) {
+      throw InputError(where, "two topics have the same name: " + full.substr(3),
+                       "give each its own, or \"\" for off");
+    }
+  }
 }
 
 unsigned domain_of(const DaemonConfig& config) {
@@ -66,19 +88,7 @@ void check_config(const DaemonConfig& config, const std::string& where) {
     throw InputError(where, "detect.search_width is below 64",
                      "use 0 for the frame's own width, or 64..4096");
   }
-  for (const std::string& topic :
-       {config.publish.detections, config.publish.object_pose, config.publish.pose_estimates}) {
-    const std::string& prefix = config.publish.name_space;
-    if (!topic.empty() && !is_topic_name(prefix.empty() ? topic : fmt::format("{}/{}", prefix, topic))) {
-      throw InputError(where, "publish.namespace and a topic are too long together",
-                       "use at most 200 characters");
-    }
-  }
-  const auto& p = config.publish;
-  if ((!p.detections.empty() && (p.detections == p.object_pose || p.detections == p.pose_estimates)) ||
-      (!p.object_pose.empty() && p.object_pose == p.pose_estimates)) {
-    throw InputError(where, "two topics of publish have the same name", "give each its own, or \"\" for off");
-  }
+  check_topics(config, where);
 }
 
 SourceOptions source_options(const DaemonConfig& config) {
@@ -142,9 +152,27 @@ PublisherOptions publisher_options(const DaemonConfig& config) {
   options.detections_topic = config.publish.detections;
   options.object_pose_topic = config.publish.object_pose;
   options.pose_estimates_topic = config.publish.pose_estimates;
+  options.tf_topic = config.publish.tf;
+  options.tf_prefix = config.publish.tf_prefix;
+  options.markers_topic = config.publish.markers;
+  options.marker_mesh = config.publish.marker_shape == "mesh";
+  options.annotated_topic = config.publish.annotated;
+  options.table_topic = config.publish.table_estimate;
+  options.diagnostics_topic = config.publish.diagnostics;
   options.lease_ms = config.publish.lease_ms;
   options.max_age_ms = config.pipeline.max_age_ms;
   return options;
+}
+
+CommandServerOptions command_options(const DaemonConfig& config) {
+  return {config.publish.name_space, config.commands.command, config.commands.answer};
+}
+
+std::vector<std::filesystem::path> model_folders(const DaemonConfig& config) {
+  std::set<std::filesystem::path> folders;
+  for (const std::string& pattern : config.models.files)
+    folders.insert((config.folder / pattern).lexically_normal().parent_path());
+  return {folders.begin(), folders.end()};
 }
 
 std::vector<std::filesystem::path> model_files(const DaemonConfig& config) {

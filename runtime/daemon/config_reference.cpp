@@ -17,7 +17,9 @@ constexpr char kPreamble[] =
     "# Configuration of sextantd. As shipped it plays the bundled sample in a loop, on a machine without a "
     "camera.\n"
     "# Check a changed copy with: sextantd --config FILE --check-config\n"
-    "# This file is made by: sextantd --config FILE --print-config-reference (unknown keys are errors).\n";
+    "# This file is made by: sextantd --config FILE --print-config-reference (unknown keys are errors).\n"
+    "# Keys marked \"reloads\" may change while the daemon runs: SIGHUP or `sextant ask reload` reads this "
+    "file again.\n";
 
 /// Words as comment lines of limited width.
 std::string comment(const std::string& text, const std::string& indent) {
@@ -69,7 +71,7 @@ std::string facts(const ConfigField& field, const std::string& default_value) {
   std::string text = field.unit.empty() ? "" : field.unit + ", ";
   if (std::isfinite(field.lowest)) text += fmt::format("{} to {}, ", field.lowest, field.highest);
   if (!field.choices.empty()) text += fmt::format("one of {}; ", fmt::join(field.choices, ", "));
-  return fmt::format("[{}default {}]", text, default_value);
+  return fmt::format("[{}default {}{}]", text, default_value, field.reloads ? "; reloads" : "");
 }
 
 }  // namespace

@@ -6,9 +6,13 @@
 #include <spdlog/spdlog.h>
 
 #include <cerrno>
+#include <mutex>
 
+#include "runtime/base/error.h"
 #include "runtime/base/rate_limiter.h"
+#include "runtime/daemon/health.h"
 #include "runtime/daemon/service_notifier.h"
+#include "runtime/daemon/temperatures.h"
 
 namespace sextant {
 
@@ -24,13 +28,24 @@ constexpr std::chrono::seconds kStatusPeriod{10};
 /// After the acknowledgements: best-effort readers acknowledge nothing.
 constexpr milliseconds kLingerAfterOnce{200};
 
-/// Tells the log what became of frames, at a limited rate, and systemd that they pass.
+/// Tells the log what became of frames, at a limited rate, systemd that they pass, and both and the
+/// diagnostics topic how we are.
 class Reporter {
  public:
+  explicit Reporter(const DaemonRun& run)
+      : health_(run.hardware_id), period_(run.diagnostics_period), max_age_ms_(run.pipeline.max_age_ms) {}
   void ready() const { notifier_.ready(); }
   void stopping() const { notifier_.stopping(); }
+  void reloading() const { notifier_.reloading(); }
+
+  void result(const FrameResult& result) {
+    const std::lock_guard lock(mutex_);
+    health_.result(result);
+  }
 
   void frame(const FrameReport& report) {
+    const std::lock_guard lock(mutex_);
+    health_.frame(report);
     std::uint64_t held_back = 0;
     if (report.fate == FrameFate::kPublished) {
       spdlog::debug("frame {}: {} poses, {:.0f} ms after capture", report.sequence, report.poses,
@@ -49,20 +64,46 @@ class Reporter {
     if (report.fate != FrameFate::kFailed) notifier_.progress();
   }
 
-  /// A source that waits for its device is alive, and starting again would not bring the device back.
-  void condition(const FrameSource& source) {
+  /// A source that waits for its device, says so and still answers is not stuck: starting again would not
+  /// help.
+  void waiting(const Pipeline& pipeline, const FrameSource& source) {
+    const std::lock_guard lock(mutex_);
+    const std::uint64_t asked = pipeline.statistics().asked;
+    const bool answered = asked != asked_;
+    asked_ = asked;
     const bool waits = source.state() == SourceState::kWaiting;
-    if (waits) notifier_.progress();
-    if (waits != waited_) {
-      const std::string text = source.condition();
-      if (waits) {
-        spdlog::warn("waiting for frames: {}", text);
-      } else {
-        spdlog::info("frames come again: {}", text);
-      }
-      notifier_.status(waits ? "waiting for frames: " + text : "frames come");
+    if (waits && answered) notifier_.progress();
+    if (waits == waits_) return;
+    waits_ = waits;
+    const std::string text = source.condition();
+    if (waits) {
+      spdlog::warn("waiting for frames: {}", text);
+    } else {
+      spdlog::info("frames come again: {}", text);
     }
-    waited_ = waits;
+    notifier_.status(waits ? "waiting for frames: " + text : "frames come");
+  }
+
+  void diagnostics(const Pipeline& pipeline, const FrameSource& source, Publisher& publisher) {
+    const Clock::time_point now = Clock::now();
+    if (now - last_report_ < period_) return;
+    HealthInput input;
+    input.pipeline = pipeline.statistics();
+    input.source = source.statistics();
+    input.source_state = source.state();
+    input.source_condition = source.condition();
+    input.publisher = publisher.statistics();
+    input.readers = publisher.matched_readers();
+    input.max_age_ms = max_age_ms_;
+    input.temperatures_celsius = read_temperatures();
+    DiagnosticReport report;
+    {
+      const std::lock_guard lock(mutex_);
+      report = health_.report(input, std::chrono::duration<double>(now - last_report_).count(),
+                              std::chrono::system_clock::now());
+    }
+    last_report_ = now;
+    publisher.publish_diagnostics(report);
   }
 
   /// Every ten seconds, and at the end.
@@ -75,16 +116,23 @@ class Reporter {
     const std::string line = fmt::format(
         "{} frames published; {} from the source (dropped: {}), {} dropped while waiting, {} stale, {} too "
         "old, {} failed, {} writes timed out",
-        p.published, s.delivered, describe_drops(s), p.dropped, p.stale, p.too_old, p.failed, d.timeouts);
+        p.published, s.delivered, describe_drops(s), p.dropped + p.unpublished, p.stale, p.too_old, p.failed,
+        d.timeouts);
     spdlog::info(line);
     notifier_.status(line);
   }
 
  private:
+  std::mutex mutex_;  // of the frames' side: health_, limiter_, notifier_'s watchdog
   ServiceNotifier notifier_;
+  Health health_;
+  std::chrono::milliseconds period_;
+  double max_age_ms_;
+  Clock::time_point last_report_ = Clock::now();
+  std::uint64_t asked_ = 0;
+  bool waits_ = false;
   RateLimiter limiter_{5, std::chrono::seconds(10)};
   Clock::time_point last_statistics_ = Clock::now();
-  bool waited_ = false;
 };
 
 }  // namespace
@@ -93,6 +141,7 @@ SignalWaiter::SignalWaiter() {
   sigemptyset(&waited_for_);
   sigaddset(&waited_for_, SIGTERM);
   sigaddset(&waited_for_, SIGINT);
+  sigaddset(&waited_for_, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &waited_for_, &old_);
 }
 
@@ -110,32 +159,60 @@ std::optional<int> SignalWaiter::wait(milliseconds timeout) {
   return signal > 0 ? std::optional(signal) : std::nullopt;
 }
 
+namespace {
+
+void reload(const DaemonRun& run, Reporter& reporter) {
+  if (!run.reload) return;
+  reporter.reloading();
+  try {
+    spdlog::info("SIGHUP: {}", run.reload());
+  } catch (const DoorError& error) {
+    spdlog::error("SIGHUP: nothing has changed: {}", error.what());
+  }
+  reporter.ready();
+}
+
+/// The topics without memory reach only those who already listen. False: a signal came.
+bool wait_for_listener(const Publisher& publisher, SignalWaiter& signals, milliseconds patience) {
+  const auto end = Clock::now() + patience;
+  while (publisher.matched_readers() == 0 && Clock::now() < end) {
+    if (signals.wait(kSlice)) return false;
+  }
+  if (publisher.matched_readers() == 0) spdlog::warn("nobody listens; publishing the frame all the same");
+  return true;
+}
+
+}  // namespace
+
 void run_daemon(FrameSource& source, const DetectFunction& detect, Publisher& publisher,
                 SignalWaiter& signals, const DaemonRun& run) {
-  Reporter reporter;
-  if (run.pipeline.once) {
-    // The topics without memory reach only those who already listen.
-    const auto end = Clock::now() + run.once_wait;
-    while (publisher.matched_readers() == 0 && Clock::now() < end) {
-      if (signals.wait(kSlice)) return;
-    }
-    if (publisher.matched_readers() == 0) spdlog::warn("nobody listens; publishing the frame all the same");
-  }
-  Pipeline pipeline(
-      source, detect, [&](const FrameResult& result) { publisher.publish(result); }, run.pipeline,
-      [&](const FrameReport& report) { reporter.frame(report); });
+  Reporter reporter(run);
+  if (run.pipeline.once && !wait_for_listener(publisher, signals, run.once_wait)) return;
+  const auto publish = [&](const FrameResult& result, const RgbdFrame& frame) {
+    publisher.publish(result, std::chrono::duration<double>(Clock::now() - frame.captured_monotonic).count());
+    if (run.draw && publisher.annotated_wanted())
+      publisher.publish_annotated(result, run.draw(frame, result));
+    reporter.result(result);
+  };
+  Pipeline pipeline(source, detect, publish, run.pipeline,
+                    [&](const FrameReport& report) { reporter.frame(report); });
   reporter.ready();
   bool asked_to_end = false;
   while (!asked_to_end && !pipeline.wait(milliseconds(0))) {
-    if (const auto signal = signals.wait(kSlice)) {
+    const auto signal = signals.wait(kSlice);
+    if (signal && *signal == SIGHUP) {
+      reload(run, reporter);
+    } else if (signal) {
       spdlog::info("{}: ending", *signal == SIGTERM ? "SIGTERM" : "SIGINT");
       asked_to_end = true;
     }
-    reporter.condition(source);
+    reporter.waiting(pipeline, source);
+    reporter.diagnostics(pipeline, source, publisher);
     reporter.statistics(pipeline, source, publisher, false);
   }
   reporter.stopping();
   pipeline.stop();
+  if (run.cancel) run.cancel();
   const bool ended = pipeline.wait(kPatienceAtTheEnd);
   reporter.statistics(pipeline, source, publisher, true);
   if (!ended) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The life of sextantd once its parts stand: frames until a signal, the source's end or an error.
+// The life of sextantd once its parts stand: frames until a signal, the source's end or an error; a report on
+// the diagnostics topic now and then.
 #pragma once
 
 #include <csignal>
@@ -11,8 +12,8 @@
 
 namespace sextant {
 
-/// SIGTERM and SIGINT as something to wait for. Make it before any other thread exists: threads inherit the
-/// blocked signals. The destructor restores the mask of its own thread.
+/// SIGTERM, SIGINT and SIGHUP as something to wait for. Make it before any other thread exists: threads
+/// inherit the blocked signals. The destructor restores the mask of its own thread.
 class SignalWaiter {
  public:
   SignalWaiter();
@@ -32,9 +33,18 @@ struct DaemonRun {
   PipelineOptions pipeline;
   std::chrono::milliseconds once_wait{
       3000};  ///< with pipeline.once: for a reader, and for its acknowledgement
+  std::chrono::milliseconds diagnostics_period{1000};
+  std::string hardware_id = "sextantd";  ///< in diagnostics
+  /// Asks a detection that is under way to end soon. May be empty.
+  std::function<void()> cancel{};
   /// Called when a signal asks for the end and a detection still runs after 0.7 s: nothing of it will be
-  /// published, and it cannot be interrupted. The daemon leaves the process here; may return in tests.
-  std::function<void()> abandon;
+  /// published. The daemon leaves the process here; may return in tests.
+  std::function<void()> abandon{};
+  /// Called on SIGHUP: reads the configuration again and says what was done; throws DoorError and then has
+  /// changed nothing. May be empty.
+  std::function<std::string()> reload{};
+  /// Draws the annotated image; called only while someone listens to it. May be empty.
+  std::function<cv::Mat(const RgbdFrame&, const FrameResult&)> draw{};
 };
 
 /// Runs until a signal, the end of the source, or (once) one frame. Reports to systemd and the log. Throws

@@ -13,6 +13,7 @@
 #include "runtime/daemon/pipeline.h"
 #include "runtime/daemon/table_config.h"
 #include "runtime/detect/detector.h"
+#include "runtime/publish/command_server.h"
 #include "runtime/publish/publisher.h"
 
 namespace sextant {
@@ -65,9 +66,23 @@ struct DaemonConfig {
     std::string detections = PublisherOptions().detections_topic;
     std::string object_pose = PublisherOptions().object_pose_topic;
     std::string pose_estimates = PublisherOptions().pose_estimates_topic;
+    std::string tf = PublisherOptions().tf_topic;
+    std::string tf_prefix;
+    std::string markers = PublisherOptions().markers_topic;
+    std::string marker_shape = "mesh";
+    std::string annotated = PublisherOptions().annotated_topic;
+    std::string table_estimate = PublisherOptions().table_topic;
+    std::string diagnostics = PublisherOptions().diagnostics_topic;
+    double diagnostics_period_ms = 1000;
     double lease_ms = PublisherOptions().lease_ms;
     double once_wait_ms = 3000;
   } publish;
+
+  struct Commands {
+    std::string command = CommandServerOptions().command_topic;
+    std::string answer = CommandServerOptions().answer_topic;
+    double look_patience_ms = 10000;
+  } commands;
 
   struct Flow {
     int queue_frames = PipelineOptions().queue_frames;
@@ -93,8 +108,11 @@ DetectOptions detect_options(const DaemonConfig& config);
 /// Nothing where detect.table says where the table is.
 std::optional<TableLocatorOptions> table_options(const DaemonConfig& config);
 PipelineOptions pipeline_options(const DaemonConfig& config);
-/// object_boxes stays empty. Throws UsageError where ROS_DOMAIN_ID is needed and no number.
+/// object_shapes stays empty. Throws UsageError where ROS_DOMAIN_ID is needed and no number.
 PublisherOptions publisher_options(const DaemonConfig& config);
+CommandServerOptions command_options(const DaemonConfig& config);
+/// The folders that models.files names, for commands that load models.
+std::vector<std::filesystem::path> model_folders(const DaemonConfig& config);
 /// The model files after expansion of *, ? and [], sorted. Throws InputError for a pattern without a file.
 std::vector<std::filesystem::path> model_files(const DaemonConfig& config);
 

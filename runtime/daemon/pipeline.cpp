@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "runtime/base/error.h"
-#include "runtime/daemon/frame_queue.h"
+#include "runtime/daemon/newest_queue.h"
 
 namespace sextant {
 
@@ -24,6 +24,29 @@ constexpr milliseconds kSourceSlice{100};
 constexpr milliseconds kPauseAfterBadFrame{50};
 /// A stamp that is further ahead than this is no capture time of this machine's clock.
 constexpr double kLargestAdvanceMs = 1000;
+
+/// Results that may wait for publication.
+constexpr std::size_t kWaitingResults = 2;
+
+using Clock = std::chrono::steady_clock;
+
+double ms_between(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double, std::milli>(to - from).count();
+}
+
+/// A frame on its way to detection.
+struct WaitingFrame {
+  RgbdFrame frame;
+  Clock::time_point arrived;
+};
+
+/// A result on its way to publication.
+struct WaitingResult {
+  RgbdFrame frame;
+  FrameResult result;
+  FrameTimes times;
+  Clock::time_point ready;
+};
 
 /// On the monotonic clock: a wall clock that is set makes no frame old.
 double age_ms(const RgbdFrame& frame) {
@@ -40,18 +63,19 @@ struct Pipeline::Impl {
   PublishFunction publish;
   PipelineOptions options;
   std::function<void(const FrameReport&)> report;
-  FrameQueue queue;
+  NewestQueue<WaitingFrame> queue;
+  NewestQueue<WaitingResult> results{kWaitingResults};
 
   mutable std::mutex mutex;  // guards all below
   mutable std::condition_variable ended;
   PipelineStatistics statistics;
   std::exception_ptr error;
-  int running = 2;
+  int running = 3;
   bool stopped = false;
 
   std::mutex report_mutex;   // one report at a time
   std::mutex publish_mutex;  // held while publishing: stop() waits for it
-  std::thread source_thread, detect_thread;
+  std::thread source_thread, detect_thread, publish_thread;
 
   Impl(FrameSource& s, DetectFunction d, PublishFunction p, const PipelineOptions& o,
        std::function<void(const FrameReport&)> r)
@@ -93,52 +117,94 @@ struct Pipeline::Impl {
 
   void read_frames() {
     while (!is_stopped()) {
-      if (options.skip_none && !queue.wait_for_demand()) return;
+      if (options.skip_none && !queue.wait_for_demand()) break;
       try {
-        if (auto frame = source.next(kSourceSlice)) {
-          queue.push(std::move(*frame));
-          if (options.once) return;
+        auto frame = source.next(kSourceSlice);
+        count_answer();
+        if (frame) {
+          queue.push({std::move(*frame), Clock::now()});
+          if (options.once) break;
         } else if (source.state() == SourceState::kEnded) {
-          return;
+          break;
         }
       } catch (const InputError& bad_frame) {
+        count_answer();
         fail_frame(-1, bad_frame);
         std::this_thread::sleep_for(kPauseAfterBadFrame);
       }
     }
+    queue.end();
   }
 
-  void work_on_frames() {
-    while (auto frame = queue.pop()) {
-      if (is_stopped()) return;
-      try {
-        work_on(*frame);
-      } catch (const DeviceError&) {
-        throw;
-      } catch (const std::exception& bad_frame) {
-        fail_frame(frame->sequence, bad_frame);
-      }
+  void count_answer() {
+    const std::lock_guard lock(mutex);
+    ++statistics.asked;
+  }
+
+  void detect_frames() {
+    while (auto waiting = queue.pop()) {
+      if (is_stopped()) break;
+      guard(waiting->frame.sequence, [&] { detect_one(std::move(*waiting)); });
+    }
+    results.end();
+  }
+
+  void publish_results() {
+    while (auto waiting = results.pop()) {
+      if (is_stopped()) break;
+      guard(waiting->frame.sequence, [&] { publish_one(*waiting); });
     }
   }
 
-  void work_on(const RgbdFrame& frame) {
+  /// A device that fails ends everything, anything else only this frame.
+  void guard(std::int64_t sequence, const std::function<void()>& work) {
+    try {
+      work();
+    } catch (const DeviceError&) {
+      throw;
+    } catch (const std::exception& bad_frame) {
+      fail_frame(sequence, bad_frame);
+    }
+  }
+
+  void detect_one(WaitingFrame waiting) {
+    const RgbdFrame& frame = waiting.frame;
     if (frame.captured_at.time_since_epoch().count() <= 0 ||
         frame.captured_monotonic.time_since_epoch().count() <= 0) {
       throw InputError("source", "a frame has no capture time", "the source must stamp every frame");
     }
-    const double waited_ms = age_ms(frame);
-    if (waited_ms < -kLargestAdvanceMs) {
+    const double age = age_ms(frame);
+    if (age < -kLargestAdvanceMs) {
       throw InputError("source", "a frame's capture time lies in the future", "check the clocks");
     }
-    if (options.max_frame_age_ms > 0 && waited_ms > options.max_frame_age_ms) {
-      return end_once({FrameFate::kStale, frame.sequence, 0, waited_ms,
+    if (options.max_frame_age_ms > 0 && age > options.max_frame_age_ms) {
+      return end_once({FrameFate::kStale, frame.sequence, 0, age,
                        fmt::format("{:.0f} ms old before it could be searched, allowed are {:.0f} "
                                    "(pipeline.max_frame_age_ms)",
-                                   waited_ms, options.max_frame_age_ms)});
+                                   age, options.max_frame_age_ms)});
     }
-    const FrameResult result = detect(frame);
+    WaitingResult ready;
+    ready.times.capture_ms = ms_between(frame.captured_monotonic, waiting.arrived);
+    ready.times.waiting_ms = ms_between(waiting.arrived, Clock::now());
+    ready.result = detect(frame);
+    const StageSeconds& seconds = ready.result.seconds;
+    ready.times.features_ms = 1e3 * seconds.features;
+    ready.times.tables_ms = 1e3 * seconds.tables;
+    ready.times.search_ms = 1e3 * seconds.search;
+    ready.times.refine_ms = 1e3 * seconds.refine;
+    ready.frame = std::move(waiting.frame);
+    ready.ready = Clock::now();
+    if (options.skip_none) {
+      results.push_when_room(std::move(ready));
+    } else {
+      results.push(std::move(ready));
+    }
+  }
+
+  void publish_one(WaitingResult& waiting) {
+    const FrameResult& result = waiting.result;
     FrameReport story{FrameFate::kPublished, result.sequence, static_cast<int>(result.estimates.size()),
-                      age_ms(frame)};
+                      age_ms(waiting.frame)};
     if (story.age_ms > options.max_age_ms) {
       story.fate = FrameFate::kTooOld;
       story.reason = fmt::format("{:.0f} ms old, allowed are {:.0f} (pipeline.max_age_ms)", story.age_ms,
@@ -146,7 +212,12 @@ struct Pipeline::Impl {
     } else {
       const std::lock_guard lock(publish_mutex);
       if (is_stopped()) return;
-      publish(result);
+      const Clock::time_point begin = Clock::now();
+      waiting.times.handover_ms = ms_between(waiting.ready, begin);
+      publish(result, waiting.frame);
+      waiting.times.publish_ms = ms_between(begin, Clock::now());
+      story.times = waiting.times;
+      story.age_ms = age_ms(waiting.frame);
     }
     end_once(story);
   }
@@ -159,16 +230,20 @@ struct Pipeline::Impl {
     }
   }
 
+  void abort() {
+    queue.abort();
+    results.abort();
+    source.close();
+  }
+
   /// The body of each thread.
   void run(void (Impl::*body)()) {
     try {
       (this->*body)();
     } catch (...) {
       end_with(std::current_exception());
-      queue.abort();
-      source.close();
+      abort();
     }
-    queue.end();
     const std::lock_guard lock(mutex);
     --running;
     ended.notify_all();
@@ -180,13 +255,15 @@ Pipeline::Pipeline(FrameSource& source, DetectFunction detect, PublishFunction p
     : impl_(
           std::make_unique<Impl>(source, std::move(detect), std::move(publish), options, std::move(report))) {
   impl_->source_thread = std::thread([this] { impl_->run(&Impl::read_frames); });
-  impl_->detect_thread = std::thread([this] { impl_->run(&Impl::work_on_frames); });
+  impl_->detect_thread = std::thread([this] { impl_->run(&Impl::detect_frames); });
+  impl_->publish_thread = std::thread([this] { impl_->run(&Impl::publish_results); });
 }
 
 Pipeline::~Pipeline() {
   stop();
   impl_->source_thread.join();
   impl_->detect_thread.join();
+  impl_->publish_thread.join();
 }
 
 bool Pipeline::wait(std::chrono::milliseconds timeout) const {
@@ -199,8 +276,7 @@ void Pipeline::stop() {
     const std::lock_guard lock(impl_->mutex);
     impl_->stopped = true;
   }
-  impl_->queue.abort();
-  impl_->source.close();
+  impl_->abort();
   const std::lock_guard wait_for_publication(impl_->publish_mutex);
 }
 
@@ -208,6 +284,7 @@ PipelineStatistics Pipeline::statistics() const {
   const std::lock_guard lock(impl_->mutex);
   PipelineStatistics statistics = impl_->statistics;
   statistics.dropped = impl_->queue.dropped();
+  statistics.unpublished = impl_->results.dropped();
   return statistics;
 }
 

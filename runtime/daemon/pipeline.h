@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The daemon's flow: source thread -> bounded queue -> detect -> publish. Late results are dropped and
-// counted, never published as fresh; a bad frame is counted and passed over; a dead device ends it.
+// The daemon's flow: source thread -> newest frame -> detection thread -> newest result -> publication
+// thread, so that reading and publishing one frame overlap with detecting another. Late results are dropped
+// and counted, never published as fresh; a bad frame is counted and passed over; a dead device ends it.
 #pragma once
 
 #include <chrono>
@@ -16,8 +17,8 @@ namespace sextant {
 
 /// Frame in, poses out; may throw.
 using DetectFunction = std::function<FrameResult(const RgbdFrame&)>;
-/// Result out of the process; may throw.
-using PublishFunction = std::function<void(const FrameResult&)>;
+/// Result, and the frame that it is about, out of the process; may throw.
+using PublishFunction = std::function<void(const FrameResult&, const RgbdFrame&)>;
 
 /// How frames flow.
 struct PipelineOptions {
@@ -36,18 +37,34 @@ enum class FrameFate : std::uint8_t {
   kFailed,  ///< the source, the detector or the publisher refused it
 };
 
+/// Where a published frame's time went, milliseconds. They add up to age_ms but for the time between two
+/// stages.
+struct FrameTimes {
+  double capture_ms = 0;   ///< from capture to us
+  double waiting_ms = 0;   ///< for detection
+  double features_ms = 0;  ///< with rectification and the table
+  double tables_ms = 0;
+  double search_ms = 0;
+  double refine_ms = 0;
+  double handover_ms = 0;  ///< waiting for publication
+  double publish_ms = 0;
+};
+
 /// One frame's story.
 struct FrameReport {
   FrameFate fate = FrameFate::kPublished;
   std::int64_t sequence = 0;
   int poses = 0;
-  double age_ms = 0;     ///< from capture to the decision
+  double age_ms = 0;     ///< from capture to the decision, of kPublished to the end of publication
   std::string reason{};  ///< for all but kPublished
+  FrameTimes times{};    ///< of kPublished
 };
 
 /// Counts since the start.
 struct PipelineStatistics {
-  std::uint64_t dropped = 0;    ///< waiting frames that newer ones pushed out
+  std::uint64_t dropped = 0;      ///< waiting frames that newer ones pushed out
+  std::uint64_t unpublished = 0;  ///< waiting results that newer ones pushed out
+  std::uint64_t asked = 0;      ///< times that the source was asked for a frame and answered: it is not stuck
   std::uint64_t published = 0;  ///< results
   std::uint64_t too_old = 0;    ///< results
   std::uint64_t stale = 0;      ///< frames
@@ -57,8 +74,8 @@ struct PipelineStatistics {
 /// Runs from construction until the source ends, stop(), or a DeviceError.
 class Pipeline {
  public:
-  /// `report` is called by one thread at a time (the source's or the detector's). The source and what the
-  /// functions use must outlive the pipeline.
+  /// `report` is called by one thread at a time. The source and what the functions use must outlive the
+  /// pipeline.
   Pipeline(FrameSource& source, DetectFunction detect, PublishFunction publish,
            const PipelineOptions& options, std::function<void(const FrameReport&)> report);
   /// Stops and waits for a detection that is under way.

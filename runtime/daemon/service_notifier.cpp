@@ -17,6 +17,12 @@ ServiceNotifier::ServiceNotifier() {
 
 void ServiceNotifier::ready() const { sd_notify(0, "READY=1"); }
 
+void ServiceNotifier::reloading() const {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+  sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld", static_cast<long long>(us));
+}
+
 void ServiceNotifier::progress() {
   if (watchdog_interval_ == std::chrono::steady_clock::duration::zero()) return;
   const auto now = std::chrono::steady_clock::now();
@@ -24,6 +30,8 @@ void ServiceNotifier::progress() {
   last_ = now;
   sd_notify(0, "WATCHDOG=1");
 }
+
+void ServiceNotifier::alive() const { sd_notify(0, "WATCHDOG=1"); }
 
 void ServiceNotifier::stopping() const { sd_notify(0, "STOPPING=1"); }
 

@@ -12,11 +12,15 @@ class ServiceNotifier {
  public:
   ServiceNotifier();
 
-  /// The source is open, the models are loaded, the writers stand.
+  /// The configuration and the models are good. A camera or network that is away is waited for after this.
   void ready() const;
+  /// The configuration is read again; ready() follows.
+  void reloading() const;
   /// A frame passed, or the source waits for a device that is away. The watchdog lives on nothing else: when
   /// frames stop without a reason, systemd restarts the service.
   void progress();
+  /// Before there is a pipeline: still trying to get at a device or the network.
+  void alive() const;
   /// An orderly end begins.
   void stopping() const;
   /// One line for `systemctl status`.

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -15,12 +16,15 @@
 #include "runtime/base/error.h"
 #include "runtime/base/rate_limiter.h"
 #include "runtime/base/version.h"
+#include "runtime/daemon/annotate.h"
+#include "runtime/daemon/command_loop.h"
 #include "runtime/daemon/config_reader.h"
 #include "runtime/daemon/config_reference.h"
+#include "runtime/daemon/config_reload.h"
 #include "runtime/daemon/daemon.h"
-#include "runtime/daemon/object_boxes.h"
-#include "runtime/detect/detector.h"
-#include "runtime/model/model_file.h"
+#include "runtime/daemon/detection_service.h"
+#include "runtime/daemon/object_shapes.h"
+#include "runtime/daemon/service_notifier.h"
 #include "runtime/publish/dds_log.h"
 
 namespace sextant {
@@ -34,36 +38,126 @@ struct Arguments {
   bool reference = false;
 };
 
-std::vector<ObjectModel> load_models(const DaemonConfig& config) {
-  std::vector<ObjectModel> models;
-  for (const std::filesystem::path& file : model_files(config)) {
-    models.push_back(read_model(file));
-    spdlog::info("model {}: {} (object {}), {} bins", file.string(), models.back().name,
-                 models.back().object_id, models.back().bins.size());
+DetectionSetup detection_setup(const DaemonConfig& config) {
+  DetectionSetup setup;
+  setup.models = load_models(model_files(config));
+  for (const LoadedModel& loaded : setup.models) {
+    spdlog::info("model {}: {} (object {}), {} bins", loaded.file.string(), loaded.model.name,
+                 loaded.model.object_id, loaded.model.bins.size());
   }
-  return models;
+  setup.options = detect_options(config);
+  setup.model_folders = model_folders(config);
+  return setup;
 }
 
-void run(const DaemonConfig& config, bool once, SignalWaiter& signals) {
+ObjectShapes shapes_of(const DetectionSetup& setup) {
+  ObjectShapes shapes;
+  for (const LoadedModel& loaded : setup.models) shapes.merge(object_shapes({loaded.model}));
+  return shapes;
+}
+
+/// Opens something that needs the network or a device. Without `once` it waits for it, says so once, and
+/// tries every second; nothing when a signal came first.
+template <typename Open>
+auto open_patiently(const Open& open, bool once, SignalWaiter& signals) -> decltype(open()) {
+  const ServiceNotifier notifier;
+  for (bool said = false;; said = true) {
+    try {
+      auto opened = open();
+      if (said) spdlog::info("it works now");
+      return opened;
+    } catch (const DeviceError& error) {
+      if (once) throw;
+      if (!said) {
+        spdlog::warn("waiting: {}", error.what());
+        notifier.ready();
+        notifier.status(std::string("waiting: ") + error.what());
+      }
+    }
+    notifier.alive();
+    const auto signal = signals.wait(std::chrono::seconds(1));
+    if (signal && *signal != SIGHUP) return nullptr;
+  }
+}
+
+/// The running daemon's configuration, replaced whole or not at all.
+class RunningConfig {
+ public:
+  RunningConfig(std::string file, DaemonConfig config) : file_(std::move(file)), config_(std::move(config)) {}
+
+  std::string reload(DetectionService& service) {
+    const std::lock_guard lock(mutex_);
+    DaemonConfig changed = read_config(file_);
+    const std::vector<std::string> keys = check_reload(config_, changed, file_);
+    service.replace(detection_setup(changed));
+    spdlog::set_level(spdlog::level::from_str(changed.log.level));
+    config_ = std::move(changed);
+    return keys.empty() ? "models read again, no key has changed"
+                        : fmt::format("models read again, changed: {}", fmt::join(keys, ", "));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string file_;
+  DaemonConfig config_;
+};
+
+void run(const std::string& file, const DaemonConfig& config, bool once, SignalWaiter& signals) {
   const DdsLog dds_log([](const std::string& line) { spdlog::warn("DDS: {}", line); });
-  std::vector<ObjectModel> models = load_models(config);
+  DetectionSetup setup = detection_setup(config);
   PublisherOptions publishing = publisher_options(config);
-  publishing.object_boxes = object_boxes(models);
-  Detector detector(std::move(models), detect_options(config));
-  const std::unique_ptr<FrameSource> source = open_source(source_options(config));
+  publishing.object_shapes = shapes_of(setup);
+  std::mutex shapes_mutex;  // guards `shapes`
+  ObjectShapes shapes = publishing.object_shapes;
+  std::unique_ptr<Publisher> publisher;
+  DetectionService service(std::move(setup), [&](const std::vector<ObjectModel>& models) {
+    const std::lock_guard lock(shapes_mutex);
+    shapes = object_shapes(models);
+    publisher->set_object_shapes(shapes);
+  });
+
+  std::mutex limiter_mutex;
   RateLimiter limiter(5, std::chrono::seconds(10));
-  auto publisher = std::make_unique<Publisher>(publishing, [&](const std::string& line) {
+  const WarnFunction warn = [&](const std::string& line) {
+    const std::lock_guard lock(limiter_mutex);
     std::uint64_t held_back = 0;
     if (limiter.pass(RateLimiter::Clock::now(), held_back))
       spdlog::warn("{} ({} held back)", line, held_back);
-  });
+  };
+  publisher = open_patiently([&] { return std::make_unique<Publisher>(publishing, warn); }, once, signals);
+  if (!publisher) return;
   spdlog::info("publishing on DDS domain {}", publishing.domain);
+  const std::unique_ptr<FrameSource> source =
+      open_patiently([&] { return open_source(source_options(config)); }, once, signals);
+  if (!source) return;
+
+  RunningConfig running(file, config);
+  const auto reload = [&] { return running.reload(service); };
+  std::unique_ptr<CommandServer> commands;
+  std::unique_ptr<CommandLoop> command_loop;
+  if (!once && !config.commands.command.empty()) {
+    commands = std::make_unique<CommandServer>(publisher->participant(), command_options(config), warn);
+    command_loop = std::make_unique<CommandLoop>(
+        *commands, service, reload,
+        std::chrono::milliseconds(static_cast<std::int64_t>(config.commands.look_patience_ms)),
+        [](const std::string& why) { spdlog::error("commands are off: {}", why); });
+  }
 
   DaemonRun options;
   options.pipeline = pipeline_options(config);
   options.pipeline.once = once;
   options.once_wait = std::chrono::milliseconds(static_cast<std::int64_t>(config.publish.once_wait_ms));
+  options.diagnostics_period =
+      std::chrono::milliseconds(static_cast<std::int64_t>(config.publish.diagnostics_period_ms));
+  if (!config.publish.name_space.empty()) options.hardware_id = config.publish.name_space;
+  options.reload = reload;
+  options.cancel = [&] { service.cancel(); };
+  options.draw = [&](const RgbdFrame& frame, const FrameResult& result) {
+    const std::lock_guard lock(shapes_mutex);
+    return annotate(frame, result, shapes);
+  };
   options.abandon = [&] {
+    command_loop.reset();
     publisher.reset();  // readers learn at once that we are gone
     spdlog::shutdown();
     std::_Exit(static_cast<int>(ExitCode::kDone));
@@ -71,10 +165,10 @@ void run(const DaemonConfig& config, bool once, SignalWaiter& signals) {
   std::optional<TableLocator> locator;
   if (const auto table = table_options(config)) locator.emplace(*table);
   const auto detect = [&](const RgbdFrame& frame) {
-    if (!locator) return detector.detect(frame);
+    if (!locator) return service.detect(frame);
     RgbdFrame located = frame;  // shares the pixels
     locator->locate(located);
-    return detector.detect(located);
+    return service.detect(located);
   };
   run_daemon(*source, detect, *publisher, signals, options);
 }
@@ -97,7 +191,7 @@ int run_program(const Arguments& arguments) {
     return 0;
   }
   spdlog::set_level(spdlog::level::from_str(config.log.level));
-  run(config, arguments.once, signals);
+  run(arguments.config, config, arguments.once, signals);
   return 0;
 }
 
@@ -109,7 +203,9 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("sextantd"));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
   CLI::App app("sextantd: finds known objects in the frames of a camera and publishes their poses over DDS");
-  app.footer("Example: sextantd --config config/sextantd.yaml\nSIGTERM and SIGINT end it within a second.");
+  app.footer(
+      "Example: sextantd --config config/sextantd.yaml\nSIGTERM and SIGINT end it within a second, SIGHUP "
+      "reads models and configuration again.");
   sextant::Arguments arguments;
   app.add_option("--config", arguments.config, "YAML file, every key documented in config/sextantd.yaml");
   app.add_flag("--check-config", arguments.check_config, "check the file and exit");

@@ -29,9 +29,17 @@ double seconds_since(Clock::time_point start) {
 /// A model under the chosen scoring.
 struct SearchedObject {
   std::vector<ScoredBin> bins;
-  std::vector<LaneBin> lane_bins;
+  std::vector<LaneBin> lane_bins;  ///< for scores from `floor` up
+  double floor = std::numeric_limits<double>::infinity();
   double threshold = 0;
   double largest_visual_radius = 0;
+
+  void prepare_for(double score) {
+    if (score >= floor) return;
+    floor = score;
+    lane_bins.clear();
+    for (const ScoredBin& bin : bins) lane_bins.push_back(lane_bin(bin, floor));
+  }
 };
 
 void check(const DetectOptions& o) {
@@ -98,7 +106,7 @@ struct Detector::Impl {
         object.largest_visual_radius =
             std::max(object.largest_visual_radius, double{bin.largest_visual_radius});
       }
-      for (const ScoredBin& bin : object.bins) object.lane_bins.push_back(lane_bin(bin, object.threshold));
+      object.prepare_for(object.threshold);
       objects.push_back(std::move(object));
       refiners.emplace_back(model);
     }
@@ -143,7 +151,7 @@ struct Detector::Impl {
     return static_cast<int>(std::clamp(pixels, 2.0, 200.0));
   }
 
-  FrameResult detect(const RgbdFrame& frame) {
+  FrameResult detect(const RgbdFrame& frame, const DetectCall& call) {
     FrameResult result;
     result.captured_at = frame.captured_at;
     result.frame_id = frame.frame_id;
@@ -156,6 +164,10 @@ struct Detector::Impl {
     const cv::Mat edges = edges_by_direction(rectified.colour);
     const std::optional<SearchedTable> table = table_for(frame, rectified);
     result.seconds.features = seconds_since(start);
+    if (table) result.table = table->table;
+    result.table_origin = options.table == TableSource::kEstimate ? TableProvenance::kEstimate
+                          : options.table == TableSource::kFixed  ? TableProvenance::kFixed
+                                                                  : TableProvenance::kFrame;
 
     const auto tables_start = Clock::now();
     std::vector<Constraint> constraints;
@@ -170,9 +182,10 @@ struct Detector::Impl {
     result.seconds.tables = seconds_since(tables_start);
 
     const auto search_start = Clock::now();
+    const std::vector<SearchedModel> searched = searched_models(call, constraints);
     const std::vector<SearchOutcome> outcomes =
-        lanes ? search_together(constraints, search_start) : search_in_turn(constraints, search_start);
-    for (std::size_t i = 0; i < models.size(); ++i) report(i, frame, constraints[i], outcomes[i], result);
+        lanes ? search_together(searched, call, search_start) : search_in_turn(searched, call, search_start);
+    for (std::size_t i = 0; i < searched.size(); ++i) report(searched[i], frame, outcomes[i], result);
     result.seconds.search = seconds_since(search_start);
 
     if (options.refine) {
@@ -203,8 +216,8 @@ struct Detector::Impl {
 
   /// Leaves out what is less certain than the wanted false-positive rate allows.
   void leave_out_doubtful(FrameResult& result) const {
-    for (std::size_t i = 0; i < models.size(); ++i) {
-      ObjectOutcome& outcome = result.objects[i];
+    for (ObjectOutcome& outcome : result.objects) {
+      const std::size_t i = outcome.model_index;
       outcome.least_confidence =
           threshold_for_false_positive_rate(models[i].confidence, options.false_positive_rate);
       outcome.doubtful = static_cast<int>(std::erase_if(result.estimates, [&](const PoseEstimate& e) {
@@ -213,54 +226,80 @@ struct Detector::Impl {
     }
   }
 
-  std::function<bool()> expiry(Clock::time_point start, double budget_ms) const {
-    if (!(options.deadline_ms > 0)) return {};
-    const auto end = start + std::chrono::duration_cast<Clock::duration>(
-                                 std::chrono::duration<double, std::milli>(budget_ms));
-    return [end] { return Clock::now() >= end; };
+  /// One object that this call looks for.
+  struct SearchedModel {
+    std::size_t index;
+    double threshold;
+    const Constraint* constraint;
+  };
+
+  std::vector<SearchedModel> searched_models(const DetectCall& call,
+                                             const std::vector<Constraint>& constraints) {
+    std::vector<SearchedModel> searched;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      if (call.wanted && !call.wanted(models[i].name)) continue;
+      const auto threshold = call.thresholds.find(models[i].name);
+      searched.push_back({i, threshold == call.thresholds.end() ? objects[i].threshold : threshold->second,
+                          &constraints[i]});
+      objects[i].prepare_for(searched.back().threshold);
+    }
+    return searched;
+  }
+
+  /// True when the time is over or the caller wants no more; empty where neither can happen.
+  std::function<bool()> expiry(const DetectCall& call, Clock::time_point start, double share) const {
+    const double deadline_ms = call.deadline_ms.value_or(options.deadline_ms);
+    if (!(deadline_ms > 0)) return call.stop;
+    const double left_ms = (deadline_ms - 1e3 * seconds_since(start)) * share;
+    const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                        std::chrono::duration<double, std::milli>(left_ms));
+    return [end, &call] { return Clock::now() >= end || (call.stop && call.stop()); };
   }
 
   /// All objects in one search under one deadline, best bound first.
-  std::vector<SearchOutcome> search_together(const std::vector<Constraint>& constraints,
-                                             Clock::time_point start) {
-    LaneSearchProblem problem{tables, lane_tables, {}, expiry(start, options.deadline_ms)};
-    for (std::size_t i = 0; i < models.size(); ++i) {
-      problem.targets.push_back({objects[i].bins, objects[i].lane_bins, constraints[i],
-                                 models[i].bounding_radius_m, options.max_detections, objects[i].threshold});
+  std::vector<SearchOutcome> search_together(const std::vector<SearchedModel>& searched,
+                                             const DetectCall& call, Clock::time_point start) {
+    LaneSearchProblem problem{tables, lane_tables, {}, expiry(call, start, 1)};
+    for (const SearchedModel& s : searched) {
+      problem.targets.push_back({objects[s.index].bins, objects[s.index].lane_bins, *s.constraint,
+                                 models[s.index].bounding_radius_m, options.max_detections, s.threshold});
     }
     return lane_search.run(problem, pool);
   }
 
   /// The plain searches, one object after the other; each gets its share of the time that is left.
-  std::vector<SearchOutcome> search_in_turn(const std::vector<Constraint>& constraints,
-                                            Clock::time_point start) {
+  std::vector<SearchOutcome> search_in_turn(const std::vector<SearchedModel>& searched,
+                                            const DetectCall& call, Clock::time_point start) {
     std::vector<SearchOutcome> outcomes;
-    for (std::size_t i = 0; i < models.size(); ++i) {
+    for (const SearchedModel& s : searched) {
       SearchOptions search_options;
       search_options.max_detections = options.max_detections;
-      search_options.threshold = objects[i].threshold;
-      const double left_ms = options.deadline_ms - 1e3 * seconds_since(start);
-      search_options.expired = expiry(Clock::now(), left_ms / static_cast<double>(models.size() - i));
-      const SearchProblem problem{objects[i].bins, tables, constraints[i], models[i].bounding_radius_m};
+      search_options.threshold = s.threshold;
+      search_options.expired =
+          expiry(call, start, 1 / static_cast<double>(searched.size() - outcomes.size()));
+      const SearchProblem problem{objects[s.index].bins, tables, *s.constraint,
+                                  models[s.index].bounding_radius_m};
       outcomes.push_back(options.bound == "thesis" ? thesis_search(problem, search_options)
                                                    : branch_and_bound(problem, search_options, pool));
     }
     return outcomes;
   }
 
-  void report(std::size_t index, const RgbdFrame& frame, const Constraint& constraint,
-              const SearchOutcome& outcome, FrameResult& result) {
+  void report(const SearchedModel& searched, const RgbdFrame& frame, const SearchOutcome& outcome,
+              FrameResult& result) {
+    const std::size_t index = searched.index;
     const ObjectModel& model = models[index];
     const SearchedObject& object = objects[index];
-    const PinholeCamera& camera = constraint.camera();
+    const PinholeCamera& camera = searched.constraint->camera();
     result.nodes += outcome.nodes;
 
     ObjectOutcome summary;
+    summary.model_index = index;
     summary.object_id = model.object_id;
     summary.object_name = model.name;
     summary.upper_bound = outcome.upper_bound;
-    summary.threshold = object.threshold;
-    summary.coverage = constraint.coverage(model.bins);
+    summary.threshold = searched.threshold;
+    summary.coverage = searched.constraint->coverage(model.bins);
     summary.status = !outcome.complete       ? SearchStatus::kBounded
                      : outcome.found.empty() ? SearchStatus::kAbsent
                                              : SearchStatus::kOptimal;
@@ -287,7 +326,9 @@ struct Detector::Impl {
 Detector::Detector(std::vector<ObjectModel> models, DetectOptions options)
     : impl_(std::make_unique<Impl>(std::move(models), std::move(options))) {}
 Detector::~Detector() = default;
-FrameResult Detector::detect(const RgbdFrame& frame) { return impl_->detect(frame); }
+FrameResult Detector::detect(const RgbdFrame& frame, const DetectCall& call) {
+  return impl_->detect(frame, call);
+}
 const std::vector<ObjectModel>& Detector::models() const { return impl_->models; }
 
 }  // namespace sextant

@@ -3,6 +3,8 @@
 // `sextantd` both run exactly this.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,6 +42,16 @@ struct DetectOptions {
   double max_distance_m = 3.0;         ///< farthest
 };
 
+/// What may differ from frame to frame.
+struct DetectCall {
+  /// True: give up soon. What was found so far is returned as kBounded. Asked often, from the caller's
+  /// thread.
+  std::function<bool()> stop{};
+  std::function<bool(const std::string&)> wanted{};  ///< by object name; empty: every object
+  std::map<std::string, double> thresholds{};        ///< by object name, instead of the options'
+  std::optional<double> deadline_ms{};               ///< instead of the options'; 0: none
+};
+
 /// Holds the models and all buffers; one frame at a time.
 class Detector {
  public:
@@ -47,7 +59,7 @@ class Detector {
   Detector(std::vector<ObjectModel> models, DetectOptions options);
   ~Detector();
   /// Throws InputError where the frame is unusable (sizes, no table where one is needed).
-  FrameResult detect(const RgbdFrame& frame);
+  FrameResult detect(const RgbdFrame& frame, const DetectCall& call = {});
   const std::vector<ObjectModel>& models() const;
 
  private:

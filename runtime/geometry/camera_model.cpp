@@ -72,8 +72,9 @@ void CameraModel::check(const std::string& where) const {
                          " are not those of a camera with this image size",
                      "give fx, fy in pixels from the calibration");
   }
-  const bool centre_ok = std::isfinite(cx) && std::isfinite(cy) && cx > -width && cx < 2.0 * width &&
-                         cy > -height && cy < 2.0 * height;
+  // A part cut out of an image may lie far from the optical axis: up to 76 degrees.
+  const bool centre_ok = std::isfinite(cx) && std::isfinite(cy) && cx > -4 * fx && cx < width + 4 * fx &&
+                         cy > -4 * fy && cy < height + 4 * fy;
   if (!centre_ok) {
     throw InputError(
         where,

@@ -9,9 +9,6 @@ namespace sextant {
 
 namespace {
 
-/// How long a write may wait for a slow reliable reader before it gives up.
-constexpr dds_duration_t kMaxBlockingTime = DDS_MSECS(100);
-
 dds_duration_t from_ms(double ms) { return static_cast<dds_duration_t>(ms * 1e6); }
 
 }  // namespace
@@ -20,7 +17,7 @@ QosPointer make_qos(const QosProfile& profile) {
   QosPointer qos(dds_create_qos());
   if (!qos) throw std::bad_alloc();
   dds_qset_reliability(qos.get(), profile.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
-                       kMaxBlockingTime);
+                       from_ms(profile.blocking_ms));
   dds_qset_durability(qos.get(),
                       profile.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, profile.depth);

@@ -18,6 +18,7 @@ struct QosProfile {
   double deadline_ms = 0;        ///< promise of a message at least this often; 0: none
   double lease_ms = 0;           ///< a killed writer is noticed after this time; 0: after 10 s
   double lifespan_ms = 0;        ///< older messages are not delivered; 0: never too old
+  double blocking_ms = 100;      ///< how long a write may wait for a slow reliable reader before it gives up
   std::string type_hash{};       ///< REP-2011 "RIHS01_...", told to ROS 2 in USER_DATA; empty: not told
 };
 

@@ -5,7 +5,6 @@
 
 #include <utility>
 
-#include "idl/dds/type_hashes.h"
 #include "runtime/base/error.h"
 #include "runtime/publish/dds_entity.h"
 #include "runtime/publish/dds_qos.h"
@@ -27,23 +26,35 @@ EchoMessage echo_of(const void* sample, const std::string& topic) {
 
 /// How to read one kind of topic.
 struct KindTraits {
-  const dds_topic_descriptor_t* type;
-  const char* type_hash;
-  EchoMessage (*echo)(const void* sample, const std::string& topic);
+  TopicType type{};
+  EchoMessage (*echo)(const void* sample, const std::string& topic) = nullptr;
 };
+
+template <typename Message>
+KindTraits traits() {
+  return {topic_type<Message>(), &echo_of<Message>};
+}
 
 KindTraits traits_of(TopicKind kind) {
   switch (kind) {
     case TopicKind::kDetections:
-      return {&vision_msgs_msg_dds__Detection3DArray__desc, kTypeHashDetection3DArray,
-              &echo_of<Detection3DArrayMessage>};
+      return traits<Detection3DArrayMessage>();
     case TopicKind::kObjectPose:
-      return {&geometry_msgs_msg_dds__PoseStamped__desc, kTypeHashPoseStamped, &echo_of<PoseStampedMessage>};
+      return traits<PoseStampedMessage>();
+    case TopicKind::kTf:
+      return traits<TfMessage>();
+    case TopicKind::kMarkers:
+      return traits<MarkerArrayMessage>();
+    case TopicKind::kAnnotated:
+      return traits<ImageMessage>();
+    case TopicKind::kTableEstimate:
+      return traits<TableEstimateMessage>();
+    case TopicKind::kDiagnostics:
+      return traits<DiagnosticArrayMessage>();
     case TopicKind::kPoseEstimates:
       break;
   }
-  return {&sextant_msgs_msg_dds__PoseEstimateArray__desc, kTypeHashPoseEstimateArray,
-          &echo_of<PoseEstimateArrayMessage>};
+  return traits<PoseEstimateArrayMessage>();
 }
 
 }  // namespace
@@ -106,13 +117,13 @@ EchoReader::EchoReader(const EchoReaderOptions& options, std::function<void(cons
   impl_->participant = create_participant(options.domain);
 
   const dds_entity_t participant = impl_->participant.get();
-  const dds_entity_t topic =
-      check_dds(dds_create_topic(participant, impl_->traits.type, impl_->topic.c_str(), nullptr, nullptr),
-                "cannot create topic " + impl_->topic);
+  const dds_entity_t topic = check_dds(
+      dds_create_topic(participant, impl_->traits.type.descriptor, impl_->topic.c_str(), nullptr, nullptr),
+      "cannot create topic " + impl_->topic);
   QosProfile profile;
   profile.reliable = false;
   profile.depth = kHistory;
-  profile.type_hash = impl_->traits.type_hash;
+  profile.type_hash = impl_->traits.type.hash;
   const QosPointer qos = make_qos(profile);
   impl_->reader = DdsEntity(dds_create_reader(participant, topic, qos.get(), nullptr),
                             "cannot create the reader of " + impl_->topic);

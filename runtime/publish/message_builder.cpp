@@ -7,36 +7,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <stdexcept>
+
+#include "runtime/publish/message_parts.h"
 
 namespace sextant {
 
 namespace {
 
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 /// How far R^T R may be from the identity.
 constexpr double kRotationTolerance = 1e-6;
-
-/// The C structs want char*, and writing never changes what it points to.
-char* borrowed(const std::string& text) { return const_cast<char*>(text.c_str()); }
-
-builtin_interfaces_msg_dds__Time_ to_time(CaptureTime time) {
-  const std::int64_t ns = time.time_since_epoch().count();
-  return {static_cast<std::int32_t>(ns / kNanosecondsPerSecond),
-          static_cast<std::uint32_t>(ns % kNanosecondsPerSecond)};
-}
-
-std_msgs_msg_dds__Header_ to_header(const FrameResult& result) {
-  return {to_time(result.captured_at), borrowed(result.frame_id)};
-}
-
-geometry_msgs_msg_dds__Pose_ to_pose(const RigidTransform& transform) {
-  const Eigen::Vector3d t = transform.translation();
-  Eigen::Quaterniond q(Eigen::Matrix3d(transform.linear()));
-  q.normalize();
-  if (q.w() < 0) q.coeffs() *= -1;  // one of the two equal quaternions, always the same
-  return {{t.x(), t.y(), t.z()}, {q.x(), q.y(), q.z(), q.w()}};
-}
 
 geometry_msgs_msg_dds__PoseWithCovariance_ to_pose_with_covariance(const PoseEstimate& estimate) {
   geometry_msgs_msg_dds__PoseWithCovariance_ message{};
@@ -46,13 +27,6 @@ geometry_msgs_msg_dds__PoseWithCovariance_ to_pose_with_covariance(const PoseEst
       message.covariance[row * 6 + column] = estimate.covariance(row, column);
   }
   return message;
-}
-
-/// A DDS sequence over memory that it does not own.
-template <typename Sequence, typename Element>
-Sequence borrowed_sequence(std::vector<Element>& elements) {
-  const auto size = static_cast<std::uint32_t>(elements.size());
-  return {size, size, elements.data(), false};
 }
 
 std::string in_words(const FrameResult& result) {
@@ -85,10 +59,16 @@ void check_publishable(const FrameResult& result) {
             "a pose is not a rigid transform");
     require(e.covariance.allFinite(), "a covariance is not finite");
     require(e.score >= 0 && e.score <= 1, "a score is outside 0..1");
-    require(!std::isnan(e.log_score) && !std::isnan(e.upper_bound) && !std::isnan(e.gap),
+    require(!std::isnan(e.log_score) && !std::isnan(e.upper_bound) && !std::isnan(e.gap) &&
+                !std::isnan(e.runner_up_margin),
             "a bound is not a number");
     require(std::all_of(e.bbox.begin(), e.bbox.end(), [](double d) { return std::isfinite(d); }),
             "a bounding box is not finite");
+  }
+  if (result.table) {
+    require(result.table->up_in_camera.allFinite() && result.table->up_in_camera.norm() > 0.5 &&
+                std::isfinite(result.table->camera_height_m),
+            "its table is no plane");
   }
   for (const ObjectOutcome& object : result.objects) {
     require(!std::isnan(object.upper_bound) && !std::isnan(object.threshold), "a bound is not a number");
@@ -96,8 +76,7 @@ void check_publishable(const FrameResult& result) {
   }
 }
 
-DetectionsBuilder::DetectionsBuilder(const FrameResult& result,
-                                     const std::map<std::string, ObjectBox>& boxes) {
+DetectionsBuilder::DetectionsBuilder(const FrameResult& result, const ObjectShapes& shapes) {
   const std::size_t count = result.estimates.size();
   ids_.reserve(count);
   hypotheses_.reserve(count);
@@ -107,14 +86,17 @@ DetectionsBuilder::DetectionsBuilder(const FrameResult& result,
     ids_.push_back(std::to_string(estimate.object_id));
     hypotheses_.push_back(
         {{borrowed(estimate.object_name), estimate.score}, to_pose_with_covariance(estimate)});
-    ObjectBox box;
-    if (const auto found = boxes.find(estimate.object_name); found != boxes.end()) box = found->second;
+    Eigen::Vector3d centre(0, 0, 0), size(0, 0, 0);
+    if (const auto found = shapes.find(estimate.object_name); found != shapes.end()) {
+      centre = found->second.centre_m;
+      size = found->second.size_m;
+    }
     RigidTransform camera_from_box = estimate.camera_from_object;
-    camera_from_box.translate(box.centre_m);
+    camera_from_box.translate(centre);
     vision_msgs_msg_dds__Detection3D_ detection{};
     detection.header = message_.header;
     detection.results = {1, 1, &hypotheses_.back(), false};
-    detection.bbox = {to_pose(camera_from_box), {box.size_m.x(), box.size_m.y(), box.size_m.z()}};
+    detection.bbox = {to_pose(camera_from_box), {size.x(), size.y(), size.z()}};
     detection.id = borrowed(ids_.back());
     detections_.push_back(detection);
   }
@@ -129,7 +111,44 @@ std::optional<PoseStampedMessage> build_object_pose(const FrameResult& result) {
   return PoseStampedMessage{to_header(result), to_pose(best->camera_from_object)};
 }
 
-PoseEstimatesBuilder::PoseEstimatesBuilder(const FrameResult& result) : text_(in_words(result)) {
+TfBuilder::TfBuilder(const FrameResult& result, const std::string& prefix) {
+  names_.reserve(result.estimates.size());
+  std::map<std::string, int> seen;
+  for (const PoseEstimate& estimate : result.estimates) {
+    const int number = ++seen[estimate.object_name];
+    names_.push_back(prefix + estimate.object_name + (number > 1 ? fmt::format("_{}", number) : ""));
+    const geometry_msgs_msg_dds__Pose_ pose = to_pose(estimate.camera_from_object);
+    transforms_.push_back({to_header(result),
+                           borrowed(names_.back()),
+                           {{pose.position.x, pose.position.y, pose.position.z}, pose.orientation}});
+  }
+  message_.transforms = borrowed_sequence<decltype(message_.transforms)>(transforms_);
+}
+
+std::optional<TableEstimateMessage> build_table_estimate(const FrameResult& result) {
+  if (!result.table) return std::nullopt;
+  const TableGeometry& table = *result.table;
+  const Eigen::Vector3d up = table.up_in_camera.normalized();
+  // Straight down there is no direction in which the camera looks: then x is where the image's top points.
+  Eigen::Vector3d ahead = Eigen::Vector3d::UnitZ() - up * up.z();
+  if (ahead.norm() < 1e-6) ahead = -Eigen::Vector3d::UnitY() + up * up.y();
+  ahead.normalize();
+  RigidTransform camera_from_table = RigidTransform::Identity();
+  camera_from_table.linear() << ahead, up.cross(ahead), up;
+  camera_from_table.translation() = -up * table.camera_height_m;
+  TableEstimateMessage message{};
+  message.header = to_header(result);
+  message.up_in_camera = {up.x(), up.y(), up.z()};
+  message.camera_height_m = table.camera_height_m;
+  message.pitch_rad = table.pitch_rad();
+  message.roll_rad = table.roll_rad();
+  message.pose = to_pose(camera_from_table);
+  message.source = static_cast<std::uint8_t>(result.table_origin);
+  return message;
+}
+
+PoseEstimatesBuilder::PoseEstimatesBuilder(const FrameResult& result, double age_s)
+    : text_(in_words(result)) {
   for (const PoseEstimate& estimate : result.estimates) {
     sextant_msgs_msg_dds__PoseEstimate_ message{};
     message.object_id = estimate.object_id;
@@ -139,6 +158,7 @@ PoseEstimatesBuilder::PoseEstimatesBuilder(const FrameResult& result) : text_(in
     message.log_score = estimate.log_score;
     message.upper_bound = estimate.upper_bound;
     message.gap = estimate.gap;
+    message.runner_up_margin = estimate.runner_up_margin;
     message.status = static_cast<std::uint8_t>(estimate.status);
     std::copy(estimate.bbox.begin(), estimate.bbox.end(), message.bbox);
     estimates_.push_back(message);
@@ -155,6 +175,7 @@ PoseEstimatesBuilder::PoseEstimatesBuilder(const FrameResult& result) : text_(in
   message_.objects = borrowed_sequence<decltype(message_.objects)>(objects_);
   message_.nodes = result.nodes;
   message_.solve_time_s = result.seconds.total;
+  message_.age_s = age_s;
   message_.message = borrowed(text_);
 }
 

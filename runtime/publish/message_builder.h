@@ -3,21 +3,15 @@
 // that a write serialises once and copies nothing before: both must outlive the write.
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "idl/dds/sextant_msgs.h"
-#include "idl/dds/vision_msgs.h"
-#include "runtime/publish/publisher.h"
+#include "runtime/publish/message_types.h"
+#include "runtime/publish/object_shape.h"
 #include "runtime/refine/frame_result.h"
 
 namespace sextant {
-
-using Detection3DArrayMessage = vision_msgs_msg_dds__Detection3DArray_;
-using PoseStampedMessage = geometry_msgs_msg_dds__PoseStamped_;
-using PoseEstimateArrayMessage = sextant_msgs_msg_dds__PoseEstimateArray_;
 
 /// Throws std::logic_error for a result that must not leave the process: no capture stamp (or one that ROS
 /// cannot say, before 1970 or after 2038), a pose that is not finite or not a rotation, a score outside 0..1.
@@ -26,7 +20,7 @@ void check_publishable(const FrameResult& result);
 /// One message per estimate with its 3D box, in the order of the result.
 class DetectionsBuilder {
  public:
-  DetectionsBuilder(const FrameResult& result, const std::map<std::string, ObjectBox>& boxes);
+  DetectionsBuilder(const FrameResult& result, const ObjectShapes& shapes);
   const Detection3DArrayMessage& message() const { return message_; }
 
  private:
@@ -39,10 +33,26 @@ class DetectionsBuilder {
 /// The pose of highest score (the first of equals), or nothing.
 std::optional<PoseStampedMessage> build_object_pose(const FrameResult& result);
 
-/// Everything.
+/// Every pose as a transform from the camera's frame to a frame named prefix + object name; the second and
+/// further poses of one object get "_2", "_3", ... at the end.
+class TfBuilder {
+ public:
+  TfBuilder(const FrameResult& result, const std::string& prefix);
+  const TfMessage& message() const { return message_; }
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<geometry_msgs_msg_dds__TransformStamped_> transforms_;
+  TfMessage message_{};
+};
+
+/// Where the table is, or nothing where no table was used.
+std::optional<TableEstimateMessage> build_table_estimate(const FrameResult& result);
+
+/// Everything. age_s: from capture to publication.
 class PoseEstimatesBuilder {
  public:
-  explicit PoseEstimatesBuilder(const FrameResult& result);
+  PoseEstimatesBuilder(const FrameResult& result, double age_s);
   const PoseEstimateArrayMessage& message() const { return message_; }
 
  private:

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <initializer_list>
 #include <span>
 
 #include "runtime/base/error.h"
+#include "runtime/refine/frame_result.h"
 
 namespace sextant {
 
@@ -14,6 +16,9 @@ namespace {
 
 constexpr std::size_t kLongestText = 1024;
 constexpr std::uint32_t kMostElements = 10'000;
+constexpr std::uint32_t kMostPoints = 10'000'000;
+constexpr std::uint32_t kLargestSide = 65536;
+constexpr std::size_t kLongestRequestId = 64;
 constexpr double kFarthestMetres = 1e6;
 constexpr double kLargestPixel = 1e6;
 constexpr double kQuaternionTolerance = 1e-3;
@@ -57,6 +62,12 @@ struct Checker {
   }
   void bound(double value) const { require(!std::isnan(value), "a bound is not a number"); }
   void unit(double value, const char* what) const { require(value >= 0 && value <= 1, what); }
+  void finite(std::initializer_list<double> values, const char* what) const {
+    for (const double value : values) require(std::isfinite(value), what);
+  }
+  void colour(const std_msgs_msg_dds__ColorRGBA_& c) const {
+    for (const float f : {c.r, c.g, c.b, c.a}) require(f >= 0 && f <= 1, "a colour is outside 0..1");
+  }
   void status(std::uint8_t value) const {
     require(value <= static_cast<std::uint8_t>(SearchStatus::kAbsent), "an unknown status");
   }
@@ -101,6 +112,7 @@ void check_message(const PoseEstimateArrayMessage& message, const std::string& t
   check.time(message.input_stamp);
   check.text(message.message);
   check.require(message.solve_time_s >= 0 && std::isfinite(message.solve_time_s), "an impossible solve time");
+  check.require(std::isfinite(message.age_s), "an impossible age");
   check.count(message.estimates._length);
   for (const auto& estimate : elements(message.estimates)) {
     check.text(estimate.object_name);
@@ -109,6 +121,7 @@ void check_message(const PoseEstimateArrayMessage& message, const std::string& t
     check.bound(estimate.log_score);
     check.bound(estimate.upper_bound);
     check.require(estimate.gap >= 0, "a gap is negative or not a number");
+    check.bound(estimate.runner_up_margin);
     check.status(estimate.status);
     for (const double d : estimate.bbox)
       check.within(d, kLargestPixel, "a bounding box is not finite or absurd");
@@ -122,6 +135,93 @@ void check_message(const PoseEstimateArrayMessage& message, const std::string& t
     check.bound(object.threshold);
     check.unit(object.coverage, "a coverage is outside 0..1");
   }
+}
+
+void check_message(const TfMessage& message, const std::string& topic) {
+  const Checker check{topic};
+  check.count(message.transforms._length);
+  for (const auto& transform : elements(message.transforms)) {
+    check.header(transform.header);
+    check.text(transform.child_frame_id);
+    const auto& t = transform.transform.translation;
+    check.pose({{t.x, t.y, t.z}, transform.transform.rotation});
+  }
+}
+
+void check_message(const MarkerArrayMessage& message, const std::string& topic) {
+  const Checker check{topic};
+  check.count(message.markers._length);
+  for (const auto& marker : elements(message.markers)) {
+    check.header(marker.header);
+    check.text(marker.ns);
+    check.text(marker.text);
+    check.pose(marker.pose);
+    check.colour(marker.color);
+    check.finite({marker.scale.x, marker.scale.y, marker.scale.z}, "a scale is not finite");
+    check.require(marker.points._length <= kMostPoints && marker.colors._length <= kMostPoints,
+                  "an absurd number of points");
+    for (const auto& p : elements(marker.points)) check.finite({p.x, p.y, p.z}, "a point is not finite");
+    for (const auto& c : elements(marker.colors)) check.colour(c);
+  }
+}
+
+void check_message(const ImageMessage& message, const std::string& topic) {
+  const Checker check{topic};
+  check.header(message.header);
+  check.text(message.encoding);
+  check.require(message.width <= kLargestSide && message.height <= kLargestSide, "an absurd image size");
+  check.require(std::uint64_t{message.step} * message.height == message.data._length,
+                "the image's data are not step * height bytes");
+}
+
+void check_message(const TableEstimateMessage& message, const std::string& topic) {
+  const Checker check{topic};
+  check.header(message.header);
+  check.pose(message.pose);
+  const auto& up = message.up_in_camera;
+  check.within(std::hypot(up.x, up.y, up.z) - 1, kQuaternionTolerance,
+               "the table's normal is no unit vector");
+  check.within(message.camera_height_m, kFarthestMetres, "an absurd height above the table");
+  check.finite({message.pitch_rad, message.roll_rad}, "an angle is not finite");
+}
+
+void check_message(const DiagnosticArrayMessage& message, const std::string& topic) {
+  const Checker check{topic};
+  check.header(message.header);
+  check.count(message.status._length);
+  for (const auto& status : elements(message.status)) {
+    check.text(status.name);
+    check.text(status.message);
+    check.text(status.hardware_id);
+    check.count(status.values._length);
+    for (const auto& value : elements(status.values)) {
+      check.text(value.key);
+      check.text(value.value);
+    }
+  }
+}
+
+void check_message(const CommandMessage& message, const std::string& topic) {
+  const Checker check{topic};
+  check.text(message.request_id);
+  const std::size_t length = std::strlen(message.request_id);
+  check.require(
+      length >= 1 && length <= kLongestRequestId && printable(message.request_id) == message.request_id,
+      "a request id is not 1 to 64 printable characters");
+  check.text(message.object_name);
+  check.text(message.model_file);
+}
+
+void check_message(const CommandAnswerMessage& message, const std::string& topic) {
+  const Checker check{topic};
+  for (const char* text : {message.request_id, message.message}) check.text(text);
+  check.count(message.objects._length);
+  for (const auto& object : elements(message.objects)) {
+    check.text(object.object_name);
+    check.text(object.model_file);
+  }
+  check.require(message.deadline_ms >= 0 && std::isfinite(message.deadline_ms), "an impossible deadline");
+  check_message(message.look, topic);
 }
 
 std::string printable(const char* text) {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "runtime/publish/message_builder.h"
+#include "runtime/publish/message_types.h"
 
 namespace sextant {
 
@@ -13,6 +13,13 @@ namespace sextant {
 void check_message(const Detection3DArrayMessage& message, const std::string& topic);
 void check_message(const PoseStampedMessage& message, const std::string& topic);
 void check_message(const PoseEstimateArrayMessage& message, const std::string& topic);
+void check_message(const TfMessage& message, const std::string& topic);
+void check_message(const MarkerArrayMessage& message, const std::string& topic);
+void check_message(const ImageMessage& message, const std::string& topic);
+void check_message(const TableEstimateMessage& message, const std::string& topic);
+void check_message(const DiagnosticArrayMessage& message, const std::string& topic);
+void check_message(const CommandMessage& message, const std::string& topic);
+void check_message(const CommandAnswerMessage& message, const std::string& topic);
 
 /// `text` with every byte that is not printable ASCII replaced by '?': fit for a terminal and for JSON.
 std::string printable(const char* text);

@@ -5,14 +5,17 @@
 
 #include <algorithm>
 #include <atomic>
+#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
 
-#include "idl/dds/type_hashes.h"
 #include "runtime/publish/dds_entity.h"
-#include "runtime/publish/dds_qos.h"
+#include "runtime/publish/diagnostics_builder.h"
+#include "runtime/publish/marker_builder.h"
 #include "runtime/publish/message_builder.h"
+#include "runtime/publish/message_parts.h"
+#include "runtime/publish/topic_writer.h"
 #include "runtime/publish/topics.h"
 
 namespace sextant {
@@ -20,64 +23,48 @@ namespace sextant {
 namespace {
 
 constexpr auto kPollInterval = std::chrono::milliseconds(5);
+/// Pictures may be lost; poses must not wait for them.
+constexpr double kPictureBlockingMs = 2;
 
 }  // namespace
 
 struct Publisher::Impl {
-  /// One topic and its writer; empty where the topic is off.
-  struct Writer {
-    std::string topic;
-    DdsEntity writer;
-  };
-
   PublisherOptions options;
   WarnFunction warn;
+  std::mutex warn_mutex, shapes_mutex;
   DdsEntity participant;
-  Writer detections, object_pose, pose_estimates;
+  TopicWriter detections, object_pose, pose_estimates, tf, markers, annotated, table, diagnostics;
   std::atomic<std::uint64_t> published = 0, timeouts = 0;
 
-  Writer make_writer(const std::string& name, const dds_topic_descriptor_t& type,
-                     const QosProfile& profile) const {
-    Writer made;
-    if (name.empty()) return made;
-    made.topic = dds_topic_name(options.name_space, name);
-    const QosPointer qos = make_qos(profile);
-    // The participant owns the topic.
-    const dds_entity_t topic =
-        check_dds(dds_create_topic(participant.get(), &type, made.topic.c_str(), nullptr, nullptr),
-                  "cannot create topic " + made.topic, "another topic of that name may have another type");
-    made.writer = DdsEntity(dds_create_writer(participant.get(), topic, qos.get(), nullptr),
-                            "cannot create the writer of " + made.topic);
-    return made;
+  template <typename Message>
+  TopicWriter make_writer(const std::string& name, const QosProfile& profile) const {
+    if (name.empty()) return {};
+    return {participant.get(), dds_topic_name(options.name_space, name), topic_type<Message>(), profile};
   }
 
-  std::vector<const Writer*> writers() const {
-    std::vector<const Writer*> on;
-    for (const Writer* writer : {&detections, &object_pose, &pose_estimates}) {
-      if (writer->writer) on.push_back(writer);
+  std::vector<const TopicWriter*> writers() const {
+    std::vector<const TopicWriter*> all;
+    for (const TopicWriter* writer :
+         {&detections, &object_pose, &pose_estimates, &tf, &markers, &annotated, &table, &diagnostics}) {
+      if (writer->on()) all.push_back(writer);
     }
-    return on;
+    return all;
   }
 
-  void write(const Writer& writer, const void* message) {
-    const dds_return_t code = dds_write(writer.writer.get(), message);
-    if (code == DDS_RETCODE_TIMEOUT) {
-      ++timeouts;
-      if (warn) warn(fmt::format("{}: a reliable reader does not keep up, a message is lost", writer.topic));
-      return;
-    }
-    check_dds(code, "cannot write " + writer.topic);
+  void tell(const std::string& line) {
+    const std::lock_guard lock(warn_mutex);
+    if (warn) warn(line);
   }
 
-  void report_incompatible_readers() const {
-    if (!warn) return;
-    for (const Writer* writer : writers()) {
-      dds_offered_incompatible_qos_status_t status{};
-      check_dds(dds_get_offered_incompatible_qos_status(writer->writer.get(), &status),
-                "cannot read a status");
-      if (status.total_count_change == 0) continue;
-      warn(fmt::format("{}: a reader asks for what is not offered and gets nothing: {}", writer->topic,
-                       policy_in_words(static_cast<dds_qos_policy_id_t>(status.last_policy_id))));
+  void write(const TopicWriter& writer, const void* message) {
+    if (writer.write(message)) return;
+    ++timeouts;
+    tell(writer.topic() + ": a reliable reader does not keep up, a message is lost");
+  }
+
+  void report_refused_readers() {
+    for (const TopicWriter* writer : writers()) {
+      if (const std::string line = writer->refused_reader(); !line.empty()) tell(line);
     }
   }
 };
@@ -88,54 +75,105 @@ Publisher::Publisher(PublisherOptions options, WarnFunction warn) : impl_(std::m
   const PublisherOptions& o = impl_->options;
   impl_->participant = create_participant(o.domain);
 
-  QosProfile detections;
-  detections.deadline_ms = o.lease_ms;
-  detections.lease_ms = o.lease_ms;
-  detections.type_hash = kTypeHashDetection3DArray;
-  impl_->detections =
-      impl_->make_writer(o.detections_topic, vision_msgs_msg_dds__Detection3DArray__desc, detections);
+  QosProfile every_frame;
+  every_frame.deadline_ms = o.lease_ms;
+  every_frame.lease_ms = o.lease_ms;
+  impl_->detections = impl_->make_writer<Detection3DArrayMessage>(o.detections_topic, every_frame);
 
-  QosProfile object_pose;
-  object_pose.lease_ms = o.lease_ms;
-  object_pose.type_hash = kTypeHashPoseStamped;
-  impl_->object_pose =
-      impl_->make_writer(o.object_pose_topic, geometry_msgs_msg_dds__PoseStamped__desc, object_pose);
+  QosProfile alive;
+  alive.lease_ms = o.lease_ms;
+  impl_->object_pose = impl_->make_writer<PoseStampedMessage>(o.object_pose_topic, alive);
+  impl_->table = impl_->make_writer<TableEstimateMessage>(o.table_topic, alive);
 
-  QosProfile pose_estimates;
-  pose_estimates.transient_local = true;
-  pose_estimates.depth = 1;
-  pose_estimates.lifespan_ms = o.max_age_ms;
-  pose_estimates.type_hash = kTypeHashPoseEstimateArray;
-  impl_->pose_estimates = impl_->make_writer(o.pose_estimates_topic,
-                                             sextant_msgs_msg_dds__PoseEstimateArray__desc, pose_estimates);
+  QosProfile latched;
+  latched.transient_local = true;
+  latched.depth = 1;
+  latched.lease_ms = o.lease_ms;
+  latched.lifespan_ms = o.max_age_ms;
+  impl_->pose_estimates = impl_->make_writer<PoseEstimateArrayMessage>(o.pose_estimates_topic, latched);
+
+  QosProfile transforms;
+  transforms.depth = 100;
+  impl_->tf = impl_->make_writer<TfMessage>(o.tf_topic, transforms);
+
+  impl_->diagnostics = impl_->make_writer<DiagnosticArrayMessage>(o.diagnostics_topic, {});
+
+  QosProfile pictures;
+  pictures.blocking_ms = kPictureBlockingMs;
+  impl_->markers = impl_->make_writer<MarkerArrayMessage>(o.markers_topic, pictures);
+  pictures.depth = 2;
+  impl_->annotated = impl_->make_writer<ImageMessage>(o.annotated_topic, pictures);
 }
 
 Publisher::~Publisher() = default;
 
-void Publisher::publish(const FrameResult& result) {
+void Publisher::publish(const FrameResult& result, double age_s) {
   check_publishable(result);
-  if (impl_->detections.writer) {
-    const DetectionsBuilder builder(result, impl_->options.object_boxes);
-    impl_->write(impl_->detections, &builder.message());
-  }
-  if (impl_->object_pose.writer) {
-    if (const auto message = build_object_pose(result)) impl_->write(impl_->object_pose, &*message);
-  }
-  if (impl_->pose_estimates.writer) {
-    const PoseEstimatesBuilder builder(result);
+  // Poses first, pictures last.
+  if (impl_->pose_estimates.on()) {
+    const PoseEstimatesBuilder builder(result, age_s);
     impl_->write(impl_->pose_estimates, &builder.message());
   }
+  if (impl_->object_pose.on()) {
+    if (const auto message = build_object_pose(result)) impl_->write(impl_->object_pose, &*message);
+  }
+  if (impl_->tf.on() && !result.estimates.empty()) {
+    const TfBuilder builder(result, impl_->options.tf_prefix);
+    impl_->write(impl_->tf, &builder.message());
+  }
+  if (impl_->table.on()) {
+    if (const auto message = build_table_estimate(result)) impl_->write(impl_->table, &*message);
+  }
+  {
+    const std::lock_guard lock(impl_->shapes_mutex);
+    if (impl_->detections.on()) {
+      const DetectionsBuilder builder(result, impl_->options.object_shapes);
+      impl_->write(impl_->detections, &builder.message());
+    }
+    if (impl_->markers.matched_readers() > 0) {
+      MarkerStyle style;
+      style.mesh = impl_->options.marker_mesh;
+      style.lifetime_s = std::max(0.1, impl_->options.max_age_ms / 1000);
+      const MarkersBuilder builder(result, impl_->options.object_shapes, style);
+      impl_->write(impl_->markers, &builder.message());
+    }
+  }
   ++impl_->published;
-  impl_->report_incompatible_readers();
+  impl_->report_refused_readers();
 }
+
+bool Publisher::annotated_wanted() const { return impl_->annotated.matched_readers() > 0; }
+
+void Publisher::publish_annotated(const FrameResult& result, const cv::Mat& rgb) {
+  if (!impl_->annotated.on()) return;
+  const cv::Mat packed = rgb.isContinuous() ? rgb : rgb.clone();
+  std::string encoding = "rgb8";
+  ImageMessage message{};
+  message.header = to_header(result);
+  message.height = static_cast<std::uint32_t>(packed.rows);
+  message.width = static_cast<std::uint32_t>(packed.cols);
+  message.encoding = borrowed(encoding);
+  message.step = 3 * message.width;
+  const std::uint32_t bytes = message.step * message.height;
+  message.data = {bytes, bytes, const_cast<std::uint8_t*>(packed.ptr<std::uint8_t>()), false};
+  impl_->write(impl_->annotated, &message);
+}
+
+void Publisher::publish_diagnostics(const DiagnosticReport& report) {
+  const DiagnosticsBuilder builder(report);
+  impl_->write(impl_->diagnostics, &builder.message());
+}
+
+void Publisher::set_object_shapes(ObjectShapes shapes) {
+  const std::lock_guard lock(impl_->shapes_mutex);
+  impl_->options.object_shapes = std::move(shapes);
+}
+
+std::int32_t Publisher::participant() const { return impl_->participant.get(); }
 
 int Publisher::matched_readers() const {
   int readers = 0;
-  for (const Impl::Writer* writer : impl_->writers()) {
-    dds_publication_matched_status_t status{};
-    check_dds(dds_get_publication_matched_status(writer->writer.get(), &status), "cannot read a status");
-    readers += static_cast<int>(status.current_count);
-  }
+  for (const TopicWriter* writer : impl_->writers()) readers += writer->matched_readers();
   return readers;
 }
 
@@ -150,11 +188,11 @@ bool Publisher::wait_for_reader(std::chrono::milliseconds timeout) const {
 
 bool Publisher::wait_for_acknowledgements(std::chrono::milliseconds timeout) const {
   const dds_time_t end = dds_time() + DDS_MSECS(timeout.count());
-  for (const Impl::Writer* writer : impl_->writers()) {
+  for (const TopicWriter* writer : impl_->writers()) {
     const dds_duration_t left = std::max<dds_duration_t>(0, end - dds_time());
-    const dds_return_t code = dds_wait_for_acks(writer->writer.get(), left);
+    const dds_return_t code = dds_wait_for_acks(writer->handle(), left);
     if (code == DDS_RETCODE_TIMEOUT) return false;
-    check_dds(code, "cannot wait for readers of " + writer->topic);
+    check_dds(code, "cannot wait for readers of " + writer->topic());
   }
   return true;
 }

@@ -2,36 +2,41 @@
 // Poses onto DDS: one call per frame writes the topics of docs/consume-poses.md, spoken as ROS 2 speaks.
 #pragma once
 
-#include <Eigen/Core>
 #include <chrono>
+#include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
+#include <opencv2/core.hpp>
 #include <string>
 
+#include "runtime/publish/diagnostics.h"
+#include "runtime/publish/object_shape.h"
 #include "runtime/refine/frame_result.h"
 
 namespace sextant {
 
-/// The box around an object, in the mesh's own frame.
-struct ObjectBox {
-  Eigen::Vector3d centre_m{0, 0, 0};
-  Eigen::Vector3d size_m{0, 0, 0};
-};
-
-/// What to publish, and where.
+/// What to publish, and where. Topics are relative to the name space, or absolute with a leading "/"; an
+/// empty one is off.
 struct PublisherOptions {
-  unsigned domain = 0;                                  ///< 0..230
-  std::string name_space{};                             ///< prefix of all topics, e.g. "arm"; empty: none
-  std::string detections_topic = "detections";          ///< empty: off
-  std::string object_pose_topic = "object_pose";        ///< empty: off
-  std::string pose_estimates_topic = "pose_estimates";  ///< empty: off
-  double lease_ms = 500;     ///< deadline of detections, liveliness lease of detections and object_pose
-  double max_age_ms = 1000;  ///< lifespan of pose_estimates: a late joiner never gets an older one
-  std::map<std::string, ObjectBox> object_boxes{};  ///< by object name, for Detection3D.bbox; missing: size 0
+  unsigned domain = 0;       ///< 0..230
+  std::string name_space{};  ///< prefix of all topics, e.g. "arm"; empty: none
+  std::string detections_topic = "detections";
+  std::string object_pose_topic = "object_pose";
+  std::string pose_estimates_topic = "pose_estimates";
+  std::string tf_topic = "tf";
+  std::string markers_topic = "markers";
+  std::string annotated_topic = "annotated/image_raw";
+  std::string table_topic = "table_estimate";
+  std::string diagnostics_topic = "diagnostics";
+  std::string tf_prefix{};  ///< before the object's name in child_frame_id
+  bool marker_mesh = true;  ///< markers show meshes; else boxes
+  double lease_ms =
+      500;  ///< deadline of detections, liveliness lease of the topics that say where objects are
+  double max_age_ms = 1000;      ///< lifespan of pose_estimates: a late joiner never gets an older one
+  ObjectShapes object_shapes{};  ///< for Detection3D.bbox and markers; missing: size 0, no shape
 };
 
-/// Called with one line for people when something is wrong that does not stop us.
+/// Called with one line for people when something is wrong that does not stop us; one thread at a time.
 using WarnFunction = std::function<void(const std::string&)>;
 
 /// What was written.
@@ -40,7 +45,8 @@ struct PublisherStatistics {
   std::uint64_t timeouts = 0;   ///< messages given up because a reliable reader did not keep up
 };
 
-/// A participant and its writers. One thread at a time. Stamps are FrameResult::captured_at, never "now".
+/// A participant and its writers. publish and publish_annotated from one thread, the others from any. Stamps
+/// of poses are FrameResult::captured_at, never "now".
 class Publisher {
  public:
   /// Throws UsageError for impossible names, DeviceError where DDS cannot start.
@@ -49,18 +55,26 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// Writes the frame's messages. Throws DeviceError when DDS fails and std::logic_error for a result that
-  /// must not leave the process (no stamp, not finite).
-  void publish(const FrameResult& result);
+  /// Writes the frame's messages. age_s: from capture to now, on a clock that nobody sets. Throws DeviceError
+  /// when DDS fails and std::logic_error for a result that must not leave the process (no stamp, not finite).
+  void publish(const FrameResult& result, double age_s = 0);
+  /// True while someone listens to the annotated image: only then is it worth drawing.
+  bool annotated_wanted() const;
+  /// Writes an image with the frame's stamp. `rgb`: CV_8UC3, RGB order.
+  void publish_annotated(const FrameResult& result, const cv::Mat& rgb);
+  void publish_diagnostics(const DiagnosticReport& report);
 
+  /// Other objects from the next frame on.
+  void set_object_shapes(ObjectShapes shapes);
+
+  /// Cyclone's handle of the participant, for further endpoints of this process; lives as long as this.
+  std::int32_t participant() const;
   /// Readers on all our topics at this moment.
   int matched_readers() const;
   /// Waits until there is a reader; false after the timeout.
   bool wait_for_reader(std::chrono::milliseconds timeout) const;
   /// Waits until every reliable reader has everything; false after the timeout.
   bool wait_for_acknowledgements(std::chrono::milliseconds timeout) const;
-
-  /// From any thread.
   PublisherStatistics statistics() const;
 
  private:

@@ -5,11 +5,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "runtime/frame/rgbd_frame.h"
 #include "runtime/geometry/rigid_transform.h"
+#include "runtime/geometry/table_geometry.h"
 #include "runtime/refine/refinement.h"
 
 namespace sextant {
@@ -47,12 +49,15 @@ struct PoseEstimate {
   double log_score = 0;       ///< the score that the search maximises
   double upper_bound = 0;     ///< no pose that is neither reported nor suppressed scores higher
   double gap = 0;             ///< max(0, upper_bound - log_score)
+  double runner_up_margin =
+      0;  ///< score of the best pose minus the proven best score outside a ball around it; 0: unknown
   SearchStatus status = SearchStatus::kOptimal;
   std::array<double, 4> bbox{};  ///< x, y, width, height, pixels of the source image
 };
 
 /// What is known of one object in this frame, also where there is no detection.
 struct ObjectOutcome {
+  std::size_t model_index = 0;  ///< of the detector's models
   int object_id = 0;
   std::string object_name;
   SearchStatus status = SearchStatus::kAbsent;
@@ -61,6 +66,13 @@ struct ObjectOutcome {
   double coverage = 1;          ///< share of the feasible poses that the model's bins cover
   int doubtful = 0;             ///< detections left out because their confidence is below `least_confidence`
   double least_confidence = 0;  ///< that follows from the wanted false-positive rate
+};
+
+/// Who said where the table is.
+enum class TableProvenance : std::uint8_t {
+  kFrame = 0,     ///< the source of the frames
+  kEstimate = 1,  ///< fitted to this frame's depth
+  kFixed = 2,     ///< the configuration
 };
 
 /// Seconds of each stage.
@@ -79,6 +91,8 @@ struct FrameResult {
   std::vector<PoseEstimate> estimates;  ///< by object, best first
   std::uint64_t nodes = 0;              ///< boxes that the search bounded
   StageSeconds seconds;
+  std::optional<TableGeometry> table;  ///< that the poses stand on; empty: no constraint
+  TableProvenance table_origin = TableProvenance::kFrame;
 };
 
 }  // namespace sextant

@@ -2,10 +2,13 @@
 // The real sextantd as its own process: frames from a data set, real detection, messages over loopback DDS.
 #include <gmock/gmock.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "runtime/model/model_file.h"
+#include "runtime/publish/command_client.h"
 #include "runtime/publish/echo_reader.h"
 #include "tests/integration/child_process.h"
 #include "tests/support/small_bop.h"
@@ -28,11 +31,13 @@ class Sextantd : public testing::Test {
     write_model(model, folder_ / "box.sxm");
   }
 
-  std::filesystem::path write_config(const std::string& more = "", const std::string& source = "loop: true") {
+  std::filesystem::path write_config(const std::string& more = "", const std::string& source = "loop: true",
+                                     const std::string& detect = "") {
     const std::filesystem::path file = folder_ / "sextantd.yaml";
     std::ofstream(file) << "source: {dataset: data, " << source << "}\n"
                         << "models: {files: [\"*.sxm\"]}\n"
-                        << "detect: {table: fixed, table_pitch_deg: 40, table_height_m: 0.7, threads: 1}\n"
+                        << "detect: {table: fixed, table_pitch_deg: 40, table_height_m: 0.7, threads: 1"
+                        << detect << "}\n"
                         << "publish: {domain: " << domain_.writing << ", namespace: " << domain_.name_space
                         << ", lease_ms: 500, once_wait_ms: 10000}\n"
                         << "pipeline: {max_age_ms: 60000}\n"
@@ -141,13 +146,152 @@ TEST_F(Sextantd, ExitCodesAreThoseOfTheManual) {
   run({"--config", write_config().string()}, 3, "data");
 }
 
-TEST_F(Sextantd, ANetworkThatDoesNotWorkIsExitCode4) {
+TEST_F(Sextantd, EveryTopicIsThereAndTheImageOnlyOnDemand) {
+  ChildProcess daemon = start({"--config", write_config("", "loop: true", ", threshold: -1e9").string()});
+  std::map<std::string, nlohmann::json> last;
+  std::vector<std::unique_ptr<EchoReader>> readers;
+  for (const std::string topic : {"pose_estimates", "object_pose", "tf", "markers", "annotated/image_raw",
+                                  "table_estimate", "diagnostics"}) {
+    readers.push_back(std::make_unique<EchoReader>(
+        EchoReaderOptions{domain_.reading, domain_.name_space + "/" + topic, topic_kind_of(topic)},
+        [&last, topic](const EchoMessage& m) { last[topic] = nlohmann::json::parse(m.json); }));
+  }
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (last.size() < readers.size() && std::chrono::steady_clock::now() < end) {
+    for (const auto& reader : readers) reader->poll(std::chrono::milliseconds(10));
+  }
+  std::vector<std::string> seen;
+  for (const auto& [topic, unused] : last) seen.push_back(topic);
+  ASSERT_EQ(last.size(), readers.size()) << testing::PrintToString(seen) << daemon.output("stderr");
+  EXPECT_EQ(last["tf"]["transforms"][0]["child_frame_id"], "box");
+  EXPECT_EQ(last["annotated/image_raw"]["width"], 32);
+  EXPECT_EQ(last["table_estimate"]["source"], 2);  // fixed
+  EXPECT_GE(last["pose_estimates"]["age_s"].get<double>(), 0);
+  EXPECT_LE(last["pose_estimates"]["age_s"].get<double>(), 60);
+  EXPECT_EQ(last["diagnostics"]["status"][1]["name"], "sextantd: pipeline");
+  EXPECT_EQ(last["diagnostics"]["status"][0]["hardware_id"], domain_.name_space);
+}
+
+TEST_F(Sextantd, DoesWhatItIsAskedAndSaysWhatItCannot) {
+  ChildProcess daemon = start({"--config", write_config("", "loop: true", ", threshold: -1e9").string()});
+  CommandClient client(domain_.reading, {domain_.name_space});
+  int number = 0;
+  const auto ask = [&](Command command) {
+    command.request_id = "r" + std::to_string(++number);
+    const auto answer = client.ask(command, std::chrono::seconds(20));
+    EXPECT_TRUE(answer.has_value()) << daemon.output("stderr");
+    return answer ? nlohmann::json::parse(answer->json) : nlohmann::json();
+  };
+  auto answer = ask({"", CommandKind::kDisable});
+  EXPECT_EQ(answer["result"], "done");
+  EXPECT_EQ(answer["objects"][0]["enabled"], false);
+  answer = ask({"", CommandKind::kLook, "box"});
+  EXPECT_EQ(answer["result"], "done");
+  EXPECT_EQ(answer["look"]["estimates"][0]["object_name"], "box");
+  answer = ask({"", CommandKind::kLook, "mug"});
+  EXPECT_EQ(answer["result"], "refused");
+  EXPECT_THAT(answer["message"].get<std::string>(), HasSubstr("loaded are: box"));
+
+  // A new configuration: a bad one changes nothing, a good one makes everything as in the file.
+  write_config("", "loop: true", ", threshold: many");
+  answer = ask({"", CommandKind::kReload});
+  EXPECT_EQ(answer["result"], "failed");
+  EXPECT_THAT(answer["message"].get<std::string>(), HasSubstr("detect.threshold is 'many'"));
+  EXPECT_EQ(answer["objects"][0]["enabled"], false);
+  write_config("log: {level: debug}\n", "loop: true", ", threshold: -5e8");
+  ObjectModel second = test::make_box_model(1, 10, 5);
+  second.name = "crate";
+  write_model(second, folder_ / "crate.sxm");
+  answer = ask({"", CommandKind::kReload});
+  EXPECT_EQ(answer["result"], "done");
+  ASSERT_EQ(answer["objects"].size(), 2U);
+  EXPECT_EQ(answer["objects"][0]["enabled"], true);
+  EXPECT_EQ(answer["objects"][1]["object_name"], "crate");
+  EXPECT_EQ(answer["objects"][1]["threshold"], -5e8);
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0);
+}
+
+TEST_F(Sextantd, SighupReloadsAndRefusesWhatNeedsANewStart) {
+  const NotifySocket notify(folder_ / "notify");
+  setenv("NOTIFY_SOCKET", notify.path().c_str(), 1);
+  ChildProcess daemon = start({"--config", write_config().string()});
+  unsetenv("NOTIFY_SOCKET");
+  const auto says = [&](const std::string& what) {
+    return listen(reader_, [&] { return daemon.output("stderr").find(what) != std::string::npos; });
+  };
+  ASSERT_TRUE(listen(reader_, [&] { return !messages_.empty(); }));
+  write_config("", "loop: true, rate_hz: 5");
+  daemon.send(SIGHUP);
+  EXPECT_TRUE(says("source.rate_hz cannot change while the daemon runs")) << daemon.output("stderr");
+  write_config("log: {level: debug}\n");
+  daemon.send(SIGHUP);
+  EXPECT_TRUE(says("changed: log.level")) << daemon.output("stderr");
+  const std::size_t before = messages_.size();
+  EXPECT_TRUE(listen(reader_, [&] { return messages_.size() > before + 2; }));
+  EXPECT_TRUE(says("ms after capture"));  // lines of level debug
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0);
+  EXPECT_THAT(notify.messages(), testing::Contains(HasSubstr("RELOADING=1")));
+}
+
+TEST_F(Sextantd, WaitsForTheNetworkSaysSoAndRecovers) {
+  const NotifySocket notify(folder_ / "notify");
+  setenv("NOTIFY_SOCKET", notify.path().c_str(), 1);
+  const std::string good = std::getenv("CYCLONEDDS_URI");
+  const std::filesystem::path settings = folder_ / "dds.xml";
+  // An interface that is not there, as before the network is up.
+  const auto write_settings = [&](const std::string& interface) {
+    std::ofstream(settings)
+        << "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface name=\""
+        << interface << "\" multicast=\"false\"/></Interfaces><AllowMulticast>false</AllowMulticast></General>"
+        << "<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address=\"127.0.0.1\"/>"
+        << "</Peers><SPDPInterval>1s</SPDPInterval></Discovery></Domain></CycloneDDS>";
+  };
+  write_settings("no_such0");
+  setenv("CYCLONEDDS_URI", ("file://" + settings.string()).c_str(), 1);
+  ChildProcess daemon = start({"--config", write_config().string()});
+  setenv("CYCLONEDDS_URI", good.c_str(), 1);
+  unsetenv("NOTIFY_SOCKET");
+  EXPECT_TRUE(
+      listen(reader_, [&] { return daemon.output("stderr").find("waiting: DDS") != std::string::npos; }));
+  EXPECT_TRUE(messages_.empty());
+  write_settings("lo");
+  EXPECT_TRUE(listen(reader_, [&] { return !messages_.empty(); })) << daemon.output("stderr");
+  EXPECT_THAT(notify.messages(), testing::Contains(HasSubstr("STATUS=waiting: DDS")));
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0);
+}
+
+TEST_F(Sextantd, PublishesOnWhenTheDiskOfTheLogIsFull) {
+  std::filesystem::create_symlink("/dev/full", folder_ / "stderr");
+  ChildProcess daemon = start({"--config", write_config("log: {level: debug}\n").string()});
+  EXPECT_TRUE(listen(reader_, [&] { return messages_.size() >= 6; }));
+  EXPECT_TRUE(daemon.running());
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0);
+}
+
+TEST_F(Sextantd, SigtermEndsItWhileItWaits) {
   setenv(
       "CYCLONEDDS_URI",
       "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"no_such0\"/></Interfaces></General>"
       "</Domain></CycloneDDS>",
       1);
   ChildProcess daemon = start({"--config", write_config().string()});
+  EXPECT_TRUE(
+      listen(reader_, [&] { return daemon.output("stderr").find("waiting: DDS") != std::string::npos; }));
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0);
+}
+
+TEST_F(Sextantd, ANetworkThatDoesNotWorkIsExitCode4Once) {
+  setenv(
+      "CYCLONEDDS_URI",
+      "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"no_such0\"/></Interfaces></General>"
+      "</Domain></CycloneDDS>",
+      1);
+  ChildProcess daemon = start({"--config", write_config().string(), "--once"});
   EXPECT_EQ(daemon.wait(), 4);
   EXPECT_THAT(daemon.output("stderr"), HasSubstr("cannot join domain"));
 }

@@ -92,7 +92,9 @@ TEST(Config, ValuesReachTheParts) {
       "angle_tolerance_deg: 90,\n"
       "  max_detections: 4, threshold: -3, deadline_ms: 100, threads: 2, scoring: thesis, search_width: "
       "320}\n"
-      "publish: {domain: 17, namespace: arm, object_pose: \"\", lease_ms: 250}\n"
+      "publish: {domain: 17, namespace: arm, object_pose: \"\", lease_ms: 250, tf: /tf, tf_prefix: seen_,\n"
+      "  marker_shape: box, annotated: \"\"}\n"
+      "commands: {command: \"\"}\n"
       "pipeline: {queue_frames: 5, max_age_ms: 2000}\n");
   const PlaybackOptions source = source_options(config).playback;
   EXPECT_EQ(source.dataset, "/data");
@@ -114,6 +116,13 @@ TEST(Config, ValuesReachTheParts) {
   EXPECT_EQ(publish.name_space, "arm");
   EXPECT_EQ(publish.object_pose_topic, "");
   EXPECT_EQ(publish.lease_ms, 250);
+  EXPECT_EQ(publish.tf_topic, "/tf");
+  EXPECT_EQ(publish.tf_prefix, "seen_");
+  EXPECT_FALSE(publish.marker_mesh);
+  EXPECT_EQ(publish.annotated_topic, "");
+  EXPECT_EQ(publish.table_topic, "table_estimate");
+  EXPECT_EQ(command_options(config).command_topic, "");
+  EXPECT_EQ(command_options(config).name_space, "arm");
   EXPECT_EQ(publish.max_age_ms, 2000);
   EXPECT_FALSE(pipeline_options(config).skip_none);
   EXPECT_EQ(pipeline_options(config).queue_frames, 5);
@@ -160,7 +169,7 @@ TEST(Config, ErrorsNameFileLineAndWhatToWrite) {
   }
   EXPECT_THAT(error_of(base + "detect: {table: chair}\n"), HasSubstr("one of none, frame, estimate, fixed"));
   EXPECT_THAT(error_of(base + "detect: {threshold: high}\n"), HasSubstr("or auto"));
-  EXPECT_THAT(error_of(base + "publish: {detections: /detections}\n"), HasSubstr("a topic name"));
+  EXPECT_THAT(error_of(base + "publish: {detections: //detections}\n"), HasSubstr("a topic name"));
   EXPECT_THAT(error_of("source: {dataset: d, split: ../x}\n"), HasSubstr("the name of a folder"));
   EXPECT_THAT(error_of("source: {dataset: d, frame_id: \"a\\nb\"}\n"), HasSubstr("source.frame_id is 'a?b'"));
   EXPECT_THAT(error_of("models: {files: m.sxm}\n"), HasSubstr("a list"));
@@ -181,7 +190,18 @@ TEST(Config, ChecksWhatNoKeyKnowsAlone) {
   EXPECT_THAT(error_of(base + "publish: {detections: a, object_pose: a}\n"), HasSubstr("same name"));
   EXPECT_THAT(error_of(base + "publish: {namespace: " + std::string(195, 'a') + "}\n"),
               HasSubstr("too long"));
+  EXPECT_THAT(error_of(base + "publish: {namespace: arm, tf: /arm/markers}\n"),
+              HasSubstr("same name: arm/markers"));
+  EXPECT_THAT(error_of(base + "commands: {answer: \"\"}\n"), HasSubstr("a topic name"));
   EXPECT_NO_THROW(parse(base + "publish: {detections: \"\", object_pose: \"\", pose_estimates: \"\"}\n"));
+}
+
+TEST(Config, FoldersOfModelsAreThoseOfThePatterns) {
+  DaemonConfig config;
+  config.folder = "/etc/sextant";
+  config.models.files = {"models/*.sxm", "models/mug.sxm", "/opt/more/can.sxm"};
+  EXPECT_THAT(model_folders(config), testing::ElementsAre(std::filesystem::path("/etc/sextant/models"),
+                                                          std::filesystem::path("/opt/more")));
 }
 
 constexpr char kCameras[] =

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "runtime/base/error.h"
-#include "runtime/daemon/frame_queue.h"
+#include "runtime/daemon/newest_queue.h"
 #include "tests/unit/runtime/daemon/scripted_source.h"
 
 namespace sextant {
@@ -25,7 +25,8 @@ struct Collector {
   std::vector<FrameReport> reports;
 
   PublishFunction publish() {
-    return [this](const FrameResult& result) {
+    return [this](const FrameResult& result, const RgbdFrame& frame) {
+      EXPECT_EQ(frame.sequence, result.sequence);
       const std::lock_guard lock(mutex);
       published.push_back(result.sequence);
     };
@@ -38,8 +39,8 @@ struct Collector {
   }
 };
 
-TEST(FrameQueue, DropsTheOldestAndCounts) {
-  FrameQueue queue(2);
+TEST(NewestQueue, DropsTheOldestAndCounts) {
+  NewestQueue<RgbdFrame> queue(2);
   for (int i = 0; i < 5; ++i) {
     RgbdFrame frame;
     frame.sequence = i;
@@ -56,8 +57,8 @@ TEST(FrameQueue, DropsTheOldestAndCounts) {
   EXPECT_FALSE(queue.wait_for_demand());
 }
 
-TEST(FrameQueue, AbortForgetsWhatWaitsAndWakesEverybody) {
-  FrameQueue queue(2);
+TEST(NewestQueue, AbortForgetsWhatWaitsAndWakesEverybody) {
+  NewestQueue<RgbdFrame> queue(2);
   queue.push({});
   std::thread producer([&] { EXPECT_FALSE(queue.wait_for_demand()); });
   queue.abort();
@@ -192,8 +193,8 @@ TEST(Pipeline, ADeadNetworkEndsIt) {
   source.run_forever();
   Collector out;
   const Pipeline pipeline(
-      source, empty_result, [](const FrameResult&) { throw DeviceError("DDS", "write", ""); }, {},
-      out.report());
+      source, empty_result,
+      [](const FrameResult&, const RgbdFrame&) { throw DeviceError("DDS", "write", ""); }, {}, out.report());
   ASSERT_TRUE(pipeline.wait(kPatience));
   EXPECT_THROW(pipeline.rethrow_error(), DeviceError);
 }
@@ -234,7 +235,7 @@ TEST(Pipeline, NothingIsPublishedAfterStop) {
     std::atomic<int> published = 0;
     Pipeline pipeline(
         source, empty_result,
-        [&](const FrameResult&) {
+        [&](const FrameResult&, const RgbdFrame&) {
           ++published;
           if (stopped) ++late;
         },

@@ -8,6 +8,7 @@
 
 #include "runtime/base/error.h"
 #include "runtime/publish/echo_reader.h"
+#include "runtime/publish/message_builder.h"
 #include "runtime/publish/message_check.h"
 #include "runtime/publish/message_text.h"
 #include "tests/unit/runtime/publish/dds_test_domain.h"
@@ -23,7 +24,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// A valid message that may be damaged; the builder keeps its memory.
 struct Damageable {
   FrameResult result = random_result(2, 2);
-  PoseEstimatesBuilder builder{result};
+  PoseEstimatesBuilder builder{result, 0.25};
   PoseEstimateArrayMessage message = builder.message();
 };
 
@@ -51,6 +52,8 @@ TEST(HostileMessage, IsRefusedForEachReason) {
       [](Message& m) { m.estimates._buffer[0].score = kNan; },
       [](Message& m) { m.estimates._buffer[0].log_score = kNan; },
       [](Message& m) { m.estimates._buffer[0].gap = -0.1; },
+      [](Message& m) { m.estimates._buffer[0].runner_up_margin = kNan; },
+      [](Message& m) { m.age_s = kInfinity; },
       [](Message& m) { m.estimates._buffer[0].status = 3; },
       [](Message& m) { m.estimates._buffer[0].bbox[0] = kNan; },
       [](Message& m) { m.estimates._buffer[0].bbox[3] = -2; },
@@ -88,11 +91,58 @@ TEST(HostileMessage, OfTheRosTypesIsRefusedToo) {
   EXPECT_THROW(check_message(pose, "rt/t"), InputError);
 }
 
+TEST(HostileMessage, OfTheOtherTopicsIsRefusedToo) {
+  char empty[] = "";
+  std::vector<std::uint8_t> pixels(12);
+  ImageMessage image{};
+  image.header.frame_id = image.encoding = empty;
+  image.width = 2;
+  image.height = 2;
+  image.step = 6;
+  image.data = {12, 12, pixels.data(), false};
+  EXPECT_NO_THROW(check_message(image, "rt/t"));
+  image.height = 3;
+  EXPECT_THROW(check_message(image, "rt/t"), InputError);
+  image.height = 0x80000000U;  // step * height would wrap to 0 in 32 bits
+  image.step = 2;
+  image.data._length = 0;
+  EXPECT_THROW(check_message(image, "rt/t"), InputError);
+
+  const FrameResult result = random_result(2, 2);
+  TfBuilder transforms(result, "");
+  TfMessage tf = transforms.message();
+  EXPECT_NO_THROW(check_message(tf, "rt/t"));
+  tf.transforms._buffer[1].transform.translation.x = kNan;
+  EXPECT_THROW(check_message(tf, "rt/t"), InputError);
+
+  const auto table_refused = [&](const std::function<void(TableEstimateMessage&)>& damage) {
+    TableEstimateMessage table = *build_table_estimate(result);
+    EXPECT_NO_THROW(check_message(table, "rt/t"));
+    damage(table);
+    EXPECT_THROW(check_message(table, "rt/t"), InputError);
+  };
+  table_refused([](auto& t) { t.up_in_camera.x += 1; });
+  table_refused([](auto& t) { t.camera_height_m = kInfinity; });
+  table_refused([](auto& t) { t.pitch_rad = kNan; });
+
+  CommandMessage command{};
+  command.object_name = command.model_file = empty;
+  for (const std::string& id : {std::string("a"), std::string(64, 'b')}) {
+    command.request_id = const_cast<char*>(id.c_str());
+    EXPECT_NO_THROW(check_message(command, "rt/t"));
+  }
+  for (const std::string& id :
+       {std::string(), std::string(65, 'b'), std::string("a\nb"), std::string("\xc3\xa9")}) {
+    command.request_id = const_cast<char*>(id.c_str());
+    EXPECT_THROW(check_message(command, "rt/t"), InputError);
+  }
+}
+
 TEST(HostileMessage, CannotSpeakToTheTerminal) {
   FrameResult result = random_result(2, 1);
   result.frame_id = "\x1b[2Jcamera\r\n";
   result.estimates[0].object_name = "\xff\xfe\x80 mug\"\\";
-  const PoseEstimatesBuilder builder(result);
+  const PoseEstimatesBuilder builder(result, 0.25);
   for (const std::string& out : {to_text(builder.message()), to_json(builder.message())}) {
     for (const char c : out) EXPECT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << static_cast<int>(c);
   }

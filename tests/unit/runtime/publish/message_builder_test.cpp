@@ -55,7 +55,7 @@ TEST(ObjectPose, IsTheFirstOfTheBestScores) {
 }
 
 TEST(Constants, OfTheMsgFileAreThoseOfTheCode) {
-  std::ifstream file(SEXTANT_SOURCE_DIR "/idl/msg/sextant_msgs/PoseEstimate.msg");
+  std::ifstream file(SEXTANT_SOURCE_DIR "/idl/msg/sextant_msgs/msg/PoseEstimate.msg");
   const std::regex constant(R"(uint8 STATUS_([A-Z]+)=([0-9]+).*)");
   int seen = 0;
   for (std::string line; std::getline(file, line);) {

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "idl/dds/type_hashes.h"
-#include "runtime/publish/message_builder.h"
+#include "runtime/publish/message_types.h"
+#include "runtime/publish/publisher.h"
 #include "tests/unit/runtime/publish/dds_test_domain.h"
 #include "tests/unit/runtime/publish/example_result.h"
 #include "tests/unit/runtime/publish/raw_reader.h"

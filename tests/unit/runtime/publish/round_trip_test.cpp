@@ -85,7 +85,7 @@ TEST(RoundTrip, PoseEstimatesArriveEqual) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     const FrameResult sent = random_result(seed, static_cast<int>(seed));
     pair.listener.messages.clear();
-    pair.publisher.publish(sent);
+    pair.publisher.publish(sent, 0.125);
     ASSERT_TRUE(pair.listener.wait_for([&] { return !pair.listener.messages.empty(); }));
     const Json& got = pair.listener.messages.front();
     expect_header(got["header"], sent);
@@ -93,6 +93,7 @@ TEST(RoundTrip, PoseEstimatesArriveEqual) {
     EXPECT_EQ(got["frame_number"], sent.sequence);
     EXPECT_EQ(got["nodes"], sent.nodes);
     EXPECT_EQ(got["solve_time_s"], sent.seconds.total);
+    EXPECT_NEAR(got["age_s"].get<double>(), 0.125, 1e-9);
     ASSERT_EQ(got["estimates"].size(), sent.estimates.size());
     for (std::size_t i = 0; i < sent.estimates.size(); ++i) {
       const Json& e = got["estimates"][i];
@@ -103,6 +104,7 @@ TEST(RoundTrip, PoseEstimatesArriveEqual) {
       EXPECT_EQ(e["log_score"], s.log_score);
       EXPECT_EQ(e["upper_bound"], s.upper_bound);
       EXPECT_EQ(e["gap"], s.gap);
+      EXPECT_EQ(e["runner_up_margin"], s.runner_up_margin);
       EXPECT_EQ(e["status"], to_string(s.status));
       expect_transform(e["camera_from_object"], s.camera_from_object, 1e-12);
       for (unsigned k = 0; k < 4; ++k) EXPECT_EQ(e["bbox"][k], s.bbox[k]);
@@ -127,7 +129,7 @@ TEST(RoundTrip, PoseEstimatesArriveEqual) {
 TEST(RoundTrip, DetectionsComeForEveryFrameAlsoEmptyOnes) {
   DdsTestDomain domain;
   PublisherOptions options = options_of(domain);
-  options.object_boxes["object_0"] = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}};
+  options.object_shapes["object_0"] = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}, {}};
   Publisher publisher(options);
   Listener listener(domain, "detections");
   ASSERT_TRUE(listener.wait_for([&] { return listener.reader.matched_writers() > 0; }));
@@ -169,6 +171,155 @@ TEST(RoundTrip, ObjectPoseIsTheBestAndSilentWithoutOne) {
   expect_header(pair.listener.messages[0]["header"], sent);
   expect_transform(pair.listener.messages[0]["camera_from_object"], sent.estimates[1].camera_from_object,
                    1e-12);
+}
+
+TEST(RoundTrip, TransformsHaveAFrameForEveryPose) {
+  DdsTestDomain domain;
+  PublisherOptions options = options_of(domain);
+  options.tf_prefix = "seen_";
+  Publisher publisher(options);
+  Listener listener(domain, "tf");
+  ASSERT_TRUE(listener.wait_for([&] { return listener.reader.matched_writers() > 0; }));
+  ASSERT_TRUE(publisher.wait_for_reader(kPatience));
+  FrameResult sent = random_result(4, 3);
+  sent.estimates[2].object_name = sent.estimates[0].object_name;
+  publisher.publish(random_result(4, 0));  // no pose: no message
+  publisher.publish(sent);
+  ASSERT_TRUE(listener.wait_for([&] { return !listener.messages.empty(); }));
+  const Json& transforms = listener.messages[0]["transforms"];
+  ASSERT_EQ(transforms.size(), 3U);
+  const std::vector<std::string> names = {"seen_object_0", "seen_object_1", "seen_object_0_2"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(transforms[i]["child_frame_id"], names[i]);
+    expect_header(transforms[i]["header"], sent);
+    expect_transform(transforms[i]["camera_from_object"], sent.estimates[i].camera_from_object, 1e-12);
+  }
+}
+
+TEST(RoundTrip, TheTableIsWhereThePosesStand) {
+  Pair pair("table_estimate");
+  FrameResult sent = random_result(6, 1);
+  FrameResult without = sent;
+  without.table.reset();
+  pair.publisher.publish(without);  // silent
+  pair.publisher.publish(sent);
+  ASSERT_TRUE(pair.listener.wait_for([&] { return !pair.listener.messages.empty(); }));
+  const Json& got = pair.listener.messages[0];
+  expect_header(got["header"], sent);
+  EXPECT_NEAR(got["pitch_rad"].get<double>(), 0.6, 1e-12);
+  EXPECT_NEAR(got["roll_rad"].get<double>(), -0.1, 1e-12);
+  EXPECT_EQ(got["camera_height_m"], 0.75);
+  EXPECT_EQ(got["source"], 1);
+  // The frame on the table: its z axis is the table's normal, its origin lies straight below the camera.
+  const Json& q = got["pose"]["orientation"];
+  const Json& p = got["pose"]["position"];
+  const Eigen::Quaterniond rotation(q["w"], q["x"], q["y"], q["z"]);
+  const Eigen::Vector3d up = sent.table->up_in_camera;
+  EXPECT_LT((rotation * Eigen::Vector3d::UnitZ() - up).norm(), 1e-9);
+  EXPECT_LT((Eigen::Vector3d(p["x"], p["y"], p["z"]) + 0.75 * up).norm(), 1e-9);
+  EXPECT_GT((rotation * Eigen::Vector3d::UnitX()).z(), 0);  // x where the camera looks
+}
+
+TEST(RoundTrip, MarkersShowMeshesOrBoxesAxesAndNames) {
+  DdsTestDomain domain;
+  PublisherOptions options = options_of(domain);
+  options.object_shapes["object_0"] = {{0, 0, 0}, {0.1, 0.2, 0.3}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+  options.object_shapes["object_1"] = {{0, 0, 0}, {0.1, 0.2, 0.3}, {}};
+  Publisher publisher(options);
+  publisher.publish(random_result(1, 2));  // nobody listens: not even made
+  Listener listener(domain, "markers");
+  ASSERT_TRUE(listener.wait_for([&] { return listener.reader.matched_writers() > 0; }));
+  ASSERT_TRUE(publisher.wait_for_reader(kPatience));
+  FrameResult sent = random_result(8, 2);
+  sent.estimates[0].score = 1;
+  sent.estimates[1].score = 0;
+  publisher.publish(sent);
+  ASSERT_TRUE(listener.wait_for([&] { return !listener.messages.empty(); }));
+  const Json& markers = listener.messages[0]["markers"];
+  ASSERT_EQ(markers.size(), 7U);
+  EXPECT_EQ(markers[0]["action"], 3);  // first everything of the frame before goes
+  EXPECT_EQ(markers[1]["ns"], "shape");
+  EXPECT_EQ(markers[1]["type"], 11);
+  EXPECT_EQ(markers[1]["points"], 3);
+  EXPECT_EQ(markers[1]["color"]["g"], 1);  // sure: green
+  EXPECT_EQ(markers[1]["color"]["r"], 0);
+  EXPECT_EQ(markers[2]["ns"], "axes");
+  EXPECT_EQ(markers[2]["points"], 6);
+  EXPECT_THAT(markers[3]["text"].get<std::string>(), testing::HasSubstr("object_0 1.00"));
+  EXPECT_EQ(markers[4]["type"], 1);  // no mesh: its box
+  EXPECT_EQ(markers[4]["scale"]["y"], 0.2);
+  EXPECT_EQ(markers[4]["color"]["r"], 1);  // unsure: red
+  EXPECT_EQ(markers[4]["color"]["g"], 0);
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    expect_header(markers[i]["header"], sent);
+    EXPECT_EQ(markers[i]["lifetime"]["sec"], 60);  // max_age_ms of this test
+  }
+}
+
+TEST(RoundTrip, TheAnnotatedImageIsOnlyWantedWhileSomeoneListens) {
+  DdsTestDomain domain;
+  Publisher publisher(options_of(domain));
+  EXPECT_FALSE(publisher.annotated_wanted());
+  const FrameResult sent = random_result(2, 1);
+  {
+    Listener listener(domain, "annotated/image_raw");
+    ASSERT_TRUE(listener.wait_for([&] { return listener.reader.matched_writers() > 0; }));
+    ASSERT_TRUE(listener.wait_for([&] { return publisher.annotated_wanted(); }));
+    publisher.publish_annotated(sent, cv::Mat(48, 64, CV_8UC3, cv::Scalar(1, 2, 3)));
+    ASSERT_TRUE(listener.wait_for([&] { return !listener.messages.empty(); }));
+    const Json& got = listener.messages[0];
+    expect_header(got["header"], sent);
+    EXPECT_EQ(got["width"], 64);
+    EXPECT_EQ(got["height"], 48);
+    EXPECT_EQ(got["step"], 192);
+    EXPECT_EQ(got["encoding"], "rgb8");
+  }
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (publisher.annotated_wanted() && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(milliseconds(10));
+  EXPECT_FALSE(publisher.annotated_wanted());
+}
+
+TEST(RoundTrip, DiagnosticsArriveEqual) {
+  Pair pair("diagnostics");
+  DiagnosticReport sent;
+  sent.at = CaptureTime(std::chrono::nanoseconds(1'700'000'000'000'000'042));
+  sent.hardware_id = "arm";
+  sent.parts = {{DiagnosticLevel::kWarn,
+                 "sextantd: pipeline",
+                 "3 frames dropped",
+                 {{"dropped", "3"}, {"rate_hz", "30"}}},
+                {DiagnosticLevel::kOk, "sextantd: DDS", "", {}}};
+  pair.publisher.publish_diagnostics(sent);
+  ASSERT_TRUE(pair.listener.wait_for([&] { return !pair.listener.messages.empty(); }));
+  const Json& got = pair.listener.messages[0];
+  EXPECT_EQ(got["header"]["stamp"]["nanosec"], 42);
+  ASSERT_EQ(got["status"].size(), 2U);
+  EXPECT_EQ(got["status"][0]["level"], 1);
+  EXPECT_EQ(got["status"][0]["name"], "sextantd: pipeline");
+  EXPECT_EQ(got["status"][0]["hardware_id"], "arm");
+  EXPECT_EQ(got["status"][0]["values"]["dropped"], "3");
+  EXPECT_EQ(got["status"][1]["values"].size(), 0U);
+}
+
+TEST(RoundTrip, TopicsThatAreOffDoNotExistAndAbsoluteOnesHaveNoNamespace) {
+  DdsTestDomain domain;
+  PublisherOptions options = options_of(domain);
+  for (std::string* topic :
+       {&options.detections_topic, &options.object_pose_topic, &options.pose_estimates_topic,
+        &options.markers_topic, &options.annotated_topic, &options.table_topic, &options.diagnostics_topic})
+    topic->clear();
+  options.tf_topic = "/" + domain.name_space + "_elsewhere/tf";
+  Publisher publisher(options);
+  Listener namespaced(domain, "tf");
+  EchoReader absolute({domain.reading, domain.name_space + "_elsewhere/tf", TopicKind::kTf},
+                      [](const EchoMessage&) {});
+  ASSERT_TRUE(namespaced.wait_for([&] { return absolute.matched_writers() == 1; }));
+  EXPECT_EQ(namespaced.reader.matched_writers(), 0);
+  publisher.publish(random_result(1, 1));
+  publisher.publish_annotated(random_result(1, 1), cv::Mat(2, 2, CV_8UC3, cv::Scalar()));
+  publisher.publish_diagnostics({});
+  EXPECT_EQ(publisher.matched_readers(), 1);
 }
 
 TEST(RoundTrip, InfiniteBoundsArriveAsNull) {
