@@ -190,7 +190,7 @@ struct Detector::Impl {
 
     if (options.refine) {
       const auto refine_start = Clock::now();
-      const RefineFrame seen{rectified, edges, table, options.tolerance};
+      const RefineFrame seen{rectified, edges, result.table, table ? table->tolerance : options.tolerance};
       for (PoseEstimate& estimate : result.estimates) refine(seen, frame, estimate);
       leave_out_doubtful(result);
       result.seconds.refine = seconds_since(refine_start);

@@ -44,7 +44,7 @@ struct DetectOptions {
 
 /// What may differ from frame to frame.
 struct DetectCall {
-  /// True: give up soon. What was found so far is returned as kBounded. Asked often, from the caller's
+  /// True: give up soon. What was found so far is returned as kBounded. Asked often, from any
   /// thread.
   std::function<bool()> stop{};
   std::function<bool(const std::string&)> wanted{};  ///< by object name; empty: every object
