@@ -22,7 +22,8 @@ constexpr double kMostUpsideDown = 0.174;  ///< sine of 10 deg: a camera that lo
 constexpr double kRival = 0.8;             ///< support of a second plane that makes the first doubtful
 constexpr double kFloorBelow =
     0.3;  ///< metres: a plane that far below another one is the floor under a table
-constexpr double kOtherHeight = 0.03;  ///< metres between two tables
+constexpr double kClearlyATable = 0.25;  ///< share of the depth of a table above a larger floor
+constexpr double kOtherHeight = 0.03;    ///< metres between two tables
 
 /// What a plane must satisfy to be taken for the table.
 struct Usable {
@@ -146,9 +147,13 @@ tl::expected<TableEstimate, NoTable> estimate_table(const TablePoints& points,
     const bool parallel = rival.plane.up.dot(fit.plane.up) > 0.985;
     if (rival.inliers > needed && parallel && usable(rival.plane)) {
       const double above = fit.plane.height - rival.plane.height;
-      // A floor below the table may fill more of the image.
-      if (above > kFloorBelow) return estimate_of(rival, cells.size());
-      if (rival.inliers > kRival * fit.inliers && std::abs(above) > kOtherHeight && above > -kFloorBelow) {
+      // A floor below the table may fill more of the image; but what is up there must be clearly a table.
+      const bool floor_below = above > kFloorBelow;
+      if (floor_below && rival.inliers > kClearlyATable * static_cast<double>(cells.size())) {
+        return estimate_of(rival, cells.size());
+      }
+      if (floor_below ||
+          (rival.inliers > kRival * fit.inliers && std::abs(above) > kOtherHeight && above > -kFloorBelow)) {
         return refuse(fmt::format("two planes could be the table: {} and {}; narrow the height down",
                                   in_words(fit), in_words(rival)));
       }

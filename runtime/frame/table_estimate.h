@@ -41,7 +41,8 @@ struct NoTable {
 /// Deterministic: the same points give the same plane. Refuses where fewer than 200 samples have depth, where
 /// no plane gets least_share of them, and where a second plane parallel to the first but at another height
 /// has at least 80 % of its support: options narrow that down. Of two parallel planes more than 0.3 m apart
-/// that both have least_share, the upper one is the table, the lower one the floor.
+/// the upper one is the table where it has a quarter of the depth; with less of it (but least_share), the
+/// answer is doubtful and refused.
 ///
 /// The uncertainty is that of the least squares fit with errors that are common to whole patches of the image
 /// (sensor warp, correlated noise: the cluster-robust covariance of 8 x 6 patches), and never below what a
