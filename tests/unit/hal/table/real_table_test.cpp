@@ -68,8 +68,9 @@ Errors measure(const std::filesystem::path& folder) {
   return errors;
 }
 
-void expect_useful(const Errors& errors) {
-  EXPECT_EQ(errors.refused, 0);
+void expect_useful(const Errors& errors, int refused = 0) {
+  EXPECT_EQ(errors.refused, refused);
+  EXPECT_LT(Errors::quantile(errors.height_mm, 1), 13.5);
   // The thesis's tolerances are 13.5 mm and 12 deg: the estimate must leave most of them to the object.
   EXPECT_LT(Errors::quantile(errors.height_mm, 0.5), 5);
   EXPECT_LT(Errors::quantile(errors.tilt_deg, 0.5), 1);
@@ -85,7 +86,8 @@ TEST(RealTables, RealSense) {
 }
 TEST(RealTables, Xtion) {
   SEXTANT_NEEDS_REAL_DATA(folder, "ycbv_samples");
-  expect_useful(measure(folder));
+  // One frame shows a small table above a carpet: doubtful, and said so.
+  expect_useful(measure(folder), 1);
 }
 
 }  // namespace
