@@ -12,6 +12,7 @@
 #include "runtime/frame/table_estimate.h"
 #include "runtime/geometry/pose_mapping.h"
 #include "runtime/search/branch_and_bound.h"
+#include "runtime/search/lanes/lane_search.h"
 #include "runtime/search/reference/thesis_search.h"
 
 namespace sextant {
@@ -26,6 +27,7 @@ double seconds_since(Clock::time_point start) {
 /// A model under the chosen scoring.
 struct SearchedObject {
   std::vector<ScoredBin> bins;
+  std::vector<LaneBin> lane_bins;
   double threshold = 0;
   double largest_visual_radius = 0;
 };
@@ -40,8 +42,8 @@ void check(const DetectOptions& o) {
   if (o.search_width != 0 && (o.search_width < 64 || o.search_width > 4096)) {
     throw UsageError("the search width must be 64..4096 pixels (0: the frame's)");
   }
-  if (o.bound != "window" && o.bound != "thesis") {
-    throw UsageError("no bound is called \"" + o.bound + "\"", "use window or thesis");
+  if (o.bound != "lanes" && o.bound != "window" && o.bound != "thesis") {
+    throw UsageError("no bound is called \"" + o.bound + "\"", "use lanes, window or thesis");
   }
 }
 
@@ -74,6 +76,8 @@ struct Detector::Impl {
   WorkerPool pool;
   Rectifier rectifier;
   FrameTables tables;
+  LaneTables lane_tables;
+  LaneSearch lane_search;
 
   Impl(std::vector<ObjectModel> m, DetectOptions o)
       : models(std::move(m)), options(std::move(o)), pool(options.threads), rectifier(options.search_width) {
@@ -88,6 +92,7 @@ struct Detector::Impl {
         object.largest_visual_radius =
             std::max(object.largest_visual_radius, double{bin.largest_visual_radius});
       }
+      for (const ScoredBin& bin : object.bins) object.lane_bins.push_back(lane_bin(bin, object.threshold));
       objects.push_back(std::move(object));
     }
   }
@@ -121,10 +126,13 @@ struct Detector::Impl {
     return std::nullopt;
   }
 
-  int clip_radius(const PinholeCamera& camera) const {
-    double largest = 0;
-    for (const SearchedObject& o : objects) largest = std::max(largest, o.largest_visual_radius);
-    const double pixels = std::ceil(largest * camera.focal / options.min_distance_m) + 1;
+  /// Pixels beyond which no part feels a feature, at the nearest distance at which an object can be.
+  int clip_radius(const PinholeCamera& camera, const std::vector<Constraint>& constraints) const {
+    double pixels = 0;
+    for (std::size_t i = 0; i < objects.size(); ++i) {
+      const double nearest = constraints[i].nearest_feasible_distance();
+      pixels = std::max(pixels, std::ceil(objects[i].largest_visual_radius * camera.focal / nearest) + 1);
+    }
     return static_cast<int>(std::clamp(pixels, 2.0, 200.0));
   }
 
@@ -143,38 +151,66 @@ struct Detector::Impl {
     result.seconds.features = seconds_since(start);
 
     const auto tables_start = Clock::now();
-    tables.build(rectified, edges, clip_radius(rectified.camera), pool);
+    std::vector<Constraint> constraints;
+    for (const ObjectModel& model : models) {
+      std::optional<TableConstraint> standing;
+      if (table) standing = TableConstraint{table->table, table->tolerance, model.centre_height_m};
+      constraints.emplace_back(rectified.camera, options.min_distance_m, options.max_distance_m, standing);
+    }
+    const bool lanes = options.bound == "lanes";
+    tables.build(rectified, edges, clip_radius(rectified.camera, constraints), pool, !lanes);
+    if (lanes) lane_tables.build(tables, pool);
     result.seconds.tables = seconds_since(tables_start);
 
     const auto search_start = Clock::now();
-    for (std::size_t i = 0; i < models.size(); ++i)
-      search(i, frame, rectified.camera, table, search_start, result);
+    const std::vector<SearchOutcome> outcomes =
+        lanes ? search_together(constraints, search_start) : search_in_turn(constraints, search_start);
+    for (std::size_t i = 0; i < models.size(); ++i) report(i, frame, constraints[i], outcomes[i], result);
     result.seconds.search = seconds_since(search_start);
     result.seconds.total = seconds_since(start);
     return result;
   }
 
-  void search(std::size_t index, const RgbdFrame& frame, const PinholeCamera& camera,
-              const std::optional<SearchedTable>& table, Clock::time_point start, FrameResult& result) {
+  std::function<bool()> expiry(Clock::time_point start, double budget_ms) const {
+    if (!(options.deadline_ms > 0)) return {};
+    const auto end = start + std::chrono::duration_cast<Clock::duration>(
+                                 std::chrono::duration<double, std::milli>(budget_ms));
+    return [end] { return Clock::now() >= end; };
+  }
+
+  /// All objects in one search under one deadline, best bound first.
+  std::vector<SearchOutcome> search_together(const std::vector<Constraint>& constraints,
+                                             Clock::time_point start) {
+    LaneSearchProblem problem{tables, lane_tables, {}, expiry(start, options.deadline_ms)};
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      problem.targets.push_back({objects[i].bins, objects[i].lane_bins, constraints[i],
+                                 models[i].bounding_radius_m, options.max_detections, objects[i].threshold});
+    }
+    return lane_search.run(problem, pool);
+  }
+
+  /// The plain searches, one object after the other; each gets its share of the time that is left.
+  std::vector<SearchOutcome> search_in_turn(const std::vector<Constraint>& constraints,
+                                            Clock::time_point start) {
+    std::vector<SearchOutcome> outcomes;
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      SearchOptions search_options;
+      search_options.max_detections = options.max_detections;
+      search_options.threshold = objects[i].threshold;
+      const double left_ms = options.deadline_ms - 1e3 * seconds_since(start);
+      search_options.expired = expiry(Clock::now(), left_ms / static_cast<double>(models.size() - i));
+      const SearchProblem problem{objects[i].bins, tables, constraints[i], models[i].bounding_radius_m};
+      outcomes.push_back(options.bound == "thesis" ? thesis_search(problem, search_options)
+                                                   : branch_and_bound(problem, search_options, pool));
+    }
+    return outcomes;
+  }
+
+  void report(std::size_t index, const RgbdFrame& frame, const Constraint& constraint,
+              const SearchOutcome& outcome, FrameResult& result) {
     const ObjectModel& model = models[index];
     const SearchedObject& object = objects[index];
-    std::optional<TableConstraint> standing;
-    if (table) standing = TableConstraint{table->table, table->tolerance, model.centre_height_m};
-    const Constraint constraint(camera, options.min_distance_m, options.max_distance_m, standing);
-    SearchOptions search_options;
-    search_options.max_detections = options.max_detections;
-    search_options.threshold = object.threshold;
-    if (options.deadline_ms > 0) {
-      // Every object gets its share of what is left.
-      const double left_ms = options.deadline_ms - 1e3 * seconds_since(start);
-      const double share_ms = left_ms / static_cast<double>(models.size() - index);
-      const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                          std::chrono::duration<double, std::milli>(share_ms));
-      search_options.expired = [end] { return Clock::now() >= end; };
-    }
-    const SearchProblem problem{object.bins, tables, constraint, model.bounding_radius_m};
-    const SearchOutcome outcome = options.bound == "thesis" ? thesis_search(problem, search_options)
-                                                            : branch_and_bound(problem, search_options, pool);
+    const PinholeCamera& camera = constraint.camera();
     result.nodes += outcome.nodes;
 
     ObjectOutcome summary;

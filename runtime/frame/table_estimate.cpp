@@ -20,7 +20,9 @@ constexpr std::size_t kScored = 1500;      ///< samples that hypotheses are comp
 constexpr double kLeastDownward = 0.0436;  ///< sine of 2.5 deg
 constexpr double kMostUpsideDown = 0.174;  ///< sine of 10 deg: a camera that looks straight down has no up
 constexpr double kRival = 0.8;             ///< support of a second plane that makes the first doubtful
-constexpr double kOtherHeight = 0.03;      ///< metres between two tables
+constexpr double kFloorBelow =
+    0.3;  ///< metres: a plane that far below another one is the floor under a table
+constexpr double kOtherHeight = 0.03;  ///< metres between two tables
 
 /// What a plane must satisfy to be taken for the table.
 struct Usable {
@@ -97,6 +99,13 @@ std::string in_words(const TableFit& fit) {
   return fmt::format("{:.2f} m below, pitch {:.0f} deg", t.camera_height_m, t.pitch_rad() * kDegrees);
 }
 
+TableEstimate estimate_of(const TableFit& fit, std::size_t samples) {
+  return {{fit.plane.up, fit.plane.height},
+          fit.uncertainty,
+          static_cast<double>(fit.inliers) / static_cast<double>(samples),
+          fit.residual_m};
+}
+
 tl::unexpected<NoTable> refuse(std::string reason) { return tl::make_unexpected(NoTable{std::move(reason)}); }
 
 }  // namespace
@@ -130,19 +139,22 @@ tl::expected<TableEstimate, NoTable> estimate_table(const TablePoints& points,
   for (const std::size_t i : cells) {
     if (!lies_on(fit.plane, points.points[i].cast<double>(), 2)) rest.push_back(i);
   }
-  if (static_cast<double>(rest.size()) > kRival * fit.inliers) {
+  const double needed = options.least_share * static_cast<double>(cells.size());
+  if (static_cast<double>(rest.size()) > needed) {
     const Hypothesis second = best_hypothesis(points, rest, usable);
-    if (second.support > 0) {
-      const TableFit rival = fit_table(points, second.plane);
-      const bool parallel = rival.plane.up.dot(fit.plane.up) > 0.985;
-      if (rival.inliers > kRival * fit.inliers && parallel && usable(rival.plane) &&
-          std::abs(rival.plane.height - fit.plane.height) > kOtherHeight) {
+    const TableFit rival = second.support > 0 ? fit_table(points, second.plane) : TableFit{};
+    const bool parallel = rival.plane.up.dot(fit.plane.up) > 0.985;
+    if (rival.inliers > needed && parallel && usable(rival.plane)) {
+      const double above = fit.plane.height - rival.plane.height;
+      // A floor below the table may fill more of the image.
+      if (above > kFloorBelow) return estimate_of(rival, cells.size());
+      if (rival.inliers > kRival * fit.inliers && std::abs(above) > kOtherHeight && above > -kFloorBelow) {
         return refuse(fmt::format("two planes could be the table: {} and {}; narrow the height down",
                                   in_words(fit), in_words(rival)));
       }
     }
   }
-  return TableEstimate{{fit.plane.up, fit.plane.height}, fit.uncertainty, share, fit.residual_m};
+  return estimate_of(fit, cells.size());
 }
 
 tl::expected<TableEstimate, NoTable> estimate_table(const SearchFrame& frame,

@@ -40,11 +40,12 @@ struct NoTable {
 
 /// Deterministic: the same points give the same plane. Refuses where fewer than 200 samples have depth, where
 /// no plane gets least_share of them, and where a second plane parallel to the first but at another height
-/// (a floor beside the table) has at least 80 % of its support: options narrow that down.
+/// has at least 80 % of its support: options narrow that down. Of two parallel planes more than 0.3 m apart
+/// that both have least_share, the upper one is the table, the lower one the floor.
 ///
 /// The uncertainty is that of the least squares fit with errors that are common to whole patches of the image
 /// (sensor warp, correlated noise: the cluster-robust covariance of 8 x 6 patches), and never below what a
-/// depth camera's own calibration leaves: 1 mm and 0.1 deg.
+/// depth camera's own calibration leaves: 1 mm and 0.2 deg.
 tl::expected<TableEstimate, NoTable> estimate_table(const TablePoints& points,
                                                     const TableEstimateOptions& options = {});
 tl::expected<TableEstimate, NoTable> estimate_table(const SearchFrame& frame,

@@ -17,7 +17,7 @@ constexpr int kFewest = 50;
 constexpr int kPatchColumns = 8;
 constexpr int kPatchRows = 6;
 constexpr double kLeastHeightDeviation = 0.001;                       ///< metres
-constexpr double kLeastTiltDeviation = 0.1 * std::numbers::pi / 180;  ///< radians
+constexpr double kLeastTiltDeviation = 0.2 * std::numbers::pi / 180;  ///< radians
 
 /// Linear least squares of a small change of a plane: tilt about two axes and a shift along the normal.
 struct NormalEquations {

@@ -127,8 +127,8 @@ TEST(TableEstimate, GravityAllowsACameraUpsideDown) {
   EXPECT_NEAR(e->table.camera_height_m, truth.camera_height_m, 0.004);
 }
 
-/// Left half at the table's height, right half 0.4 m below it.
-SearchFrame table_and_floor(const TableGeometry& table) {
+/// The left part at the table's height, the rest below it.
+SearchFrame two_levels(const TableGeometry& table, int columns, double drop_m) {
   SearchFrame f;
   f.camera = {320, 240, 262, 159.5, 119.5};
   f.ray_depth_m = cv::Mat::zeros(240, 320, CV_32FC1);
@@ -136,21 +136,30 @@ SearchFrame table_and_floor(const TableGeometry& table) {
     for (int x = 0; x < 320; ++x) {
       const double sine = -table.up_in_camera.dot(f.camera.ray(x, y));
       if (sine < 0.05) continue;
-      const double d = (table.camera_height_m + (x < 160 ? 0 : 0.4)) / sine;
+      const double d = (table.camera_height_m + (x < columns ? 0 : drop_m)) / sine;
       if (d < 2.4) f.ray_depth_m.at<float>(y, x) = static_cast<float>(d);
     }
   }
   return f;
 }
 
-TEST(TableEstimate, RefusesToGuessBetweenTableAndFloor) {
+TEST(TableEstimate, AFloorBelowIsNoTableHoweverLarge) {
   const TableGeometry truth = TableGeometry::from_pitch_roll(0.9, 0, 0.7);
-  const SearchFrame f = table_and_floor(truth);
+  for (const int columns : {100, 160, 250}) {
+    const auto e = estimate_table(two_levels(truth, columns, 0.6));
+    ASSERT_TRUE(e.has_value()) << e.error().reason;
+    EXPECT_NEAR(e->table.camera_height_m, 0.7, 0.002) << columns;
+  }
+}
+
+TEST(TableEstimate, RefusesToGuessBetweenTwoTables) {
+  const TableGeometry truth = TableGeometry::from_pitch_roll(0.9, 0, 0.7);
+  const SearchFrame f = two_levels(truth, 160, 0.2);
   const auto doubtful = estimate_table(f);
   ASSERT_FALSE(doubtful.has_value());
   EXPECT_NE(doubtful.error().reason.find("two planes"), std::string::npos) << doubtful.error().reason;
   TableEstimateOptions options;
-  options.highest_m = 0.9;
+  options.highest_m = 0.8;
   const auto e = estimate_table(f, options);
   ASSERT_TRUE(e.has_value()) << e.error().reason;
   EXPECT_NEAR(e->table.camera_height_m, 0.7, 0.002);
