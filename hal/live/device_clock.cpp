@@ -41,7 +41,7 @@ void DeviceClock::measure(nanoseconds offset) {
 std::optional<MonotonicTime> DeviceClock::capture_time(nanoseconds stamp, MonotonicTime arrival) {
   if (is_plausible(stamp, arrival)) {
     foreign_ = false;
-    return MonotonicTime(stamp);
+    return std::min(MonotonicTime(stamp), arrival);
   }
   if (!foreign_) begin_measuring();
   foreign_ = true;

@@ -18,8 +18,9 @@ class DeviceClock {
   static constexpr int kMeasuredFrames = 8;
   /// A stamp older than this at its arrival is no monotonic time of this frame.
   static constexpr std::chrono::nanoseconds kOldest = std::chrono::seconds(1);
-  /// A stamp may be this far ahead of its arrival.
-  static constexpr std::chrono::nanoseconds kEarliest = std::chrono::milliseconds(2);
+  /// A stamp may be this far ahead of its arrival: some drivers say when the frame would have been read out.
+  /// It was captured before it arrived all the same.
+  static constexpr std::chrono::nanoseconds kEarliest = std::chrono::milliseconds(100);
 
   /// When the frame was captured, or nothing while the offset of a foreign clock is being measured. `stamp`
   /// is the device's time in nanoseconds, `arrival` when the frame could be had. With an offset the result is

@@ -45,7 +45,10 @@ class LiveSource final : public ImageSource {
   std::optional<RawImage> next(milliseconds timeout) override {
     const Clock::time_point deadline = Clock::now() + timeout;
     while (!closed_) {
-      if (!session_ && !try_to_open(deadline)) break;
+      if (!session_) {
+        if (!try_to_open(deadline)) break;
+        continue;
+      }
       if (auto image = take_newest()) return image;
       if (!session_) continue;
       const Clock::time_point silent_at = last_good_ + options_.watchdog;
@@ -112,7 +115,7 @@ class LiveSource final : public ImageSource {
     wait_for(fmt::format("{}: {}; opening it anew", name_, reason));
   }
 
-  /// False at the deadline and after close().
+  /// One try, when its time has come; session_ tells. False at the deadline and after close().
   bool try_to_open(Clock::time_point deadline) {
     wake_.wait(-1, std::min(deadline, retry_at_));
     if (closed_ || Clock::now() < retry_at_) return false;

@@ -34,7 +34,7 @@ StreamOptions webcam() {
   StreamOptions options;
   options.device = kWebcam;
   options.format = "YUYV";
-  options.rate_hz = 30;
+  options.rate_hz = 25;  // its fastest in this size
   options.max_age = 0ms;
   options.watchdog = 2000ms;
   return options;

@@ -34,9 +34,9 @@ RawImage raw(PixelFormat format, const std::vector<std::byte>& bytes, std::size_
   return image;
 }
 
-/// BT.601, luma 16..235, chroma 16..240.
+/// BT.601, luma 16..235, chroma 16..240. Luma below black is black (the noise has such, cameras have not).
 cv::Vec3i rgb_of(std::byte y8, std::byte u8, std::byte v8) {
-  const double y = (std::to_integer<int>(y8) - 16) * 255.0 / 219;
+  const double y = std::max(0, std::to_integer<int>(y8) - 16) * 255.0 / 219;
   const double u = (std::to_integer<int>(u8) - 128) * 255.0 / 224;
   const double v = (std::to_integer<int>(v8) - 128) * 255.0 / 224;
   const auto clamp = [](double c) { return static_cast<int>(std::lround(std::clamp(c, 0.0, 255.0))); };
