@@ -70,8 +70,9 @@ void DetectArguments::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--scoring", detect.scoring, "likelihood | thesis")->capture_default_str();
   command
-      .add_option("--bound", detect.bound,
-                  "window | thesis (reference, one detection; give it a --deadline-ms)")
+      .add_option(
+          "--bound", detect.bound,
+          "lanes | window (its plain twin) | thesis (reference, one detection; give it a --deadline-ms)")
       ->capture_default_str();
   command
       .add_option("--search-width", detect.search_width, "width of the image that is searched, 0: as it is")

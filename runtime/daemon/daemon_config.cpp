@@ -191,8 +191,9 @@ std::vector<ConfigField> config_fields(DaemonConfig& c) {
       {.section = "detect",
        .key = "bound",
        .target = &c.detect.bound,
-       .text = "The upper bound that drives the search.",
-       .choices = {"window"},
+       .text = "The engine of the search: lanes is the fast one, window its plain twin. Both give the same "
+               "answers.",
+       .choices = {"lanes", "window"},
        .reloads = true},
       {.section = "detect",
        .key = "search_width",

@@ -12,6 +12,7 @@
 #include "runtime/frame/table_estimate.h"
 #include "runtime/geometry/pose_mapping.h"
 #include "runtime/search/branch_and_bound.h"
+#include "runtime/search/lanes/lane_search.h"
 #include "runtime/search/reference/thesis_search.h"
 
 namespace sextant {
@@ -26,8 +27,17 @@ double seconds_since(Clock::time_point start) {
 /// A model under the chosen scoring.
 struct SearchedObject {
   std::vector<ScoredBin> bins;
+  std::vector<LaneBin> lane_bins;
   double threshold = 0;
   double largest_visual_radius = 0;
+  double lane_floor = std::numeric_limits<double>::quiet_NaN();  ///< that lane_bins are made for
+
+  void make_lanes(double floor) {
+    if (floor == lane_floor) return;
+    lane_bins.clear();
+    for (const ScoredBin& bin : bins) lane_bins.push_back(lane_bin(bin, floor));
+    lane_floor = floor;
+  }
 };
 
 void check(const DetectOptions& o) {
@@ -40,8 +50,8 @@ void check(const DetectOptions& o) {
   if (o.search_width != 0 && (o.search_width < 64 || o.search_width > 4096)) {
     throw UsageError("the search width must be 64..4096 pixels (0: the frame's)");
   }
-  if (o.bound != "window" && o.bound != "thesis") {
-    throw UsageError("no bound is called \"" + o.bound + "\"", "use window or thesis");
+  if (o.bound != "lanes" && o.bound != "window" && o.bound != "thesis") {
+    throw UsageError("no bound is called \"" + o.bound + "\"", "use lanes, window or thesis");
   }
 }
 
@@ -74,6 +84,8 @@ struct Detector::Impl {
   WorkerPool pool;
   Rectifier rectifier;
   FrameTables tables;
+  LaneTables lane_tables;
+  LaneSearch lane_search;
 
   Impl(std::vector<ObjectModel> m, DetectOptions o)
       : models(std::move(m)), options(std::move(o)), pool(options.threads), rectifier(options.search_width) {
@@ -88,6 +100,7 @@ struct Detector::Impl {
         object.largest_visual_radius =
             std::max(object.largest_visual_radius, double{bin.largest_visual_radius});
       }
+      object.make_lanes(object.threshold);
       objects.push_back(std::move(object));
     }
   }
@@ -121,10 +134,15 @@ struct Detector::Impl {
     return std::nullopt;
   }
 
-  int clip_radius(const PinholeCamera& camera) const {
-    double largest = 0;
-    for (const SearchedObject& o : objects) largest = std::max(largest, o.largest_visual_radius);
-    const double pixels = std::ceil(largest * camera.focal / options.min_distance_m) + 1;
+  /// Pixels beyond which no part feels a feature, at the nearest distance at which an object can be.
+  int clip_radius(const PinholeCamera& camera, const std::vector<std::size_t>& searched,
+                  const std::vector<Constraint>& constraints) const {
+    double pixels = 0;
+    for (std::size_t k = 0; k < searched.size(); ++k) {
+      const double nearest = constraints[k].nearest_feasible_distance();
+      pixels = std::max(pixels,
+                        std::ceil(objects[searched[k]].largest_visual_radius * camera.focal / nearest) + 1);
+    }
     return static_cast<int>(std::clamp(pixels, 2.0, 200.0));
   }
 
@@ -147,54 +165,92 @@ struct Detector::Impl {
                                                                   : TableProvenance::kFrame;
 
     const auto tables_start = Clock::now();
-    tables.build(rectified, edges, clip_radius(rectified.camera), pool);
-    result.seconds.tables = seconds_since(tables_start);
-
-    const auto search_start = Clock::now();
     std::vector<std::size_t> searched;
     for (std::size_t i = 0; i < models.size(); ++i) {
       if (!call.wanted || call.wanted(models[i].name)) searched.push_back(i);
     }
-    for (std::size_t i = 0; i < searched.size(); ++i)
-      search(searched[i], searched.size() - i, call, frame, rectified.camera, table, search_start, result);
+    if (searched.empty()) return result;
+    std::vector<Constraint> constraints;
+    for (const std::size_t i : searched) {
+      std::optional<TableConstraint> standing;
+      if (table) standing = TableConstraint{table->table, table->tolerance, models[i].centre_height_m};
+      constraints.emplace_back(rectified.camera, options.min_distance_m, options.max_distance_m, standing);
+    }
+    const bool lanes = options.bound == "lanes";
+    tables.build(rectified, edges, clip_radius(rectified.camera, searched, constraints), pool, !lanes);
+    if (lanes) lane_tables.build(tables, pool);
+    result.seconds.tables = seconds_since(tables_start);
+
+    const auto search_start = Clock::now();
+    const std::vector<SearchOutcome> outcomes =
+        lanes ? search_together(call, searched, constraints, search_start)
+              : search_in_turn(call, searched, constraints, search_start);
+    for (std::size_t k = 0; k < searched.size(); ++k)
+      report(searched[k], call, frame, constraints[k], outcomes[k], result);
     result.seconds.search = seconds_since(search_start);
     result.seconds.total = seconds_since(start);
     return result;
   }
 
-  /// objects_left: how many share what is left of the deadline, with this one.
-  void search(std::size_t index, std::size_t objects_left, const DetectCall& call, const RgbdFrame& frame,
-              const PinholeCamera& camera, const std::optional<SearchedTable>& table, Clock::time_point start,
-              FrameResult& result) {
+  double threshold_of(std::size_t index, const DetectCall& call) const {
+    const auto given = call.thresholds.find(models[index].name);
+    return given == call.thresholds.end() ? objects[index].threshold : given->second;
+  }
+  double deadline_of(const DetectCall& call) const { return call.deadline_ms.value_or(options.deadline_ms); }
+
+  std::function<bool()> expiry(const DetectCall& call, Clock::time_point start, double budget_ms) const {
+    if (!(deadline_of(call) > 0)) return call.stop;
+    const auto end = start + std::chrono::duration_cast<Clock::duration>(
+                                 std::chrono::duration<double, std::milli>(budget_ms));
+    return [end, &call] { return Clock::now() >= end || (call.stop && call.stop()); };
+  }
+
+  /// All objects in one search under one deadline, best bound first.
+  std::vector<SearchOutcome> search_together(const DetectCall& call, const std::vector<std::size_t>& searched,
+                                             const std::vector<Constraint>& constraints,
+                                             Clock::time_point start) {
+    LaneSearchProblem problem{tables, lane_tables, {}, expiry(call, start, deadline_of(call))};
+    for (std::size_t k = 0; k < searched.size(); ++k) {
+      const std::size_t i = searched[k];
+      const double threshold = threshold_of(i, call);
+      objects[i].make_lanes(threshold);
+      problem.targets.push_back({objects[i].bins, objects[i].lane_bins, constraints[k],
+                                 models[i].bounding_radius_m, options.max_detections, threshold});
+    }
+    return lane_search.run(problem, pool);
+  }
+
+  /// The plain searches, one object after the other; each gets its share of the time that is left.
+  std::vector<SearchOutcome> search_in_turn(const DetectCall& call, const std::vector<std::size_t>& searched,
+                                            const std::vector<Constraint>& constraints,
+                                            Clock::time_point start) {
+    std::vector<SearchOutcome> outcomes;
+    for (std::size_t k = 0; k < searched.size(); ++k) {
+      const std::size_t i = searched[k];
+      SearchOptions search_options;
+      search_options.max_detections = options.max_detections;
+      search_options.threshold = threshold_of(i, call);
+      const double left_ms = deadline_of(call) - 1e3 * seconds_since(start);
+      search_options.expired = expiry(call, Clock::now(), left_ms / static_cast<double>(searched.size() - k));
+      const SearchProblem problem{objects[i].bins, tables, constraints[k], models[i].bounding_radius_m};
+      outcomes.push_back(options.bound == "thesis" ? thesis_search(problem, search_options)
+                                                   : branch_and_bound(problem, search_options, pool));
+    }
+    return outcomes;
+  }
+
+  void report(std::size_t index, const DetectCall& call, const RgbdFrame& frame, const Constraint& constraint,
+              const SearchOutcome& outcome, FrameResult& result) {
     const ObjectModel& model = models[index];
     const SearchedObject& object = objects[index];
-    std::optional<TableConstraint> standing;
-    if (table) standing = TableConstraint{table->table, table->tolerance, model.centre_height_m};
-    const Constraint constraint(camera, options.min_distance_m, options.max_distance_m, standing);
-    SearchOptions search_options;
-    search_options.max_detections = options.max_detections;
-    const auto threshold = call.thresholds.find(model.name);
-    search_options.threshold = threshold == call.thresholds.end() ? object.threshold : threshold->second;
-    const double deadline_ms = call.deadline_ms.value_or(options.deadline_ms);
-    search_options.expired = call.stop;
-    if (deadline_ms > 0) {
-      // Every object gets its share of what is left.
-      const double left_ms = deadline_ms - 1e3 * seconds_since(start);
-      const double share_ms = left_ms / static_cast<double>(objects_left);
-      const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                          std::chrono::duration<double, std::milli>(share_ms));
-      search_options.expired = [end, &call] { return Clock::now() >= end || (call.stop && call.stop()); };
-    }
-    const SearchProblem problem{object.bins, tables, constraint, model.bounding_radius_m};
-    const SearchOutcome outcome = options.bound == "thesis" ? thesis_search(problem, search_options)
-                                                            : branch_and_bound(problem, search_options, pool);
+    const PinholeCamera& camera = constraint.camera();
     result.nodes += outcome.nodes;
 
     ObjectOutcome summary;
     summary.object_id = model.object_id;
     summary.object_name = model.name;
     summary.upper_bound = outcome.upper_bound;
-    summary.threshold = search_options.threshold;
+    summary.threshold = threshold_of(index, call);
     summary.coverage = constraint.coverage(model.bins);
     summary.status = !outcome.complete       ? SearchStatus::kBounded
                      : outcome.found.empty() ? SearchStatus::kAbsent

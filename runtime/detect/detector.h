@@ -34,7 +34,7 @@ struct DetectOptions {
   double deadline_ms = 0;              ///< for the search of one frame; 0 = none
   int threads = 0;                     ///< of the search; 0 = all cores
   std::string scoring = "likelihood";  ///< see sextant detect --help
-  std::string bound = "window";        ///< see sextant detect --help
+  std::string bound = "lanes";         ///< see sextant detect --help
   int search_width = 0;                ///< width of the image that is searched; 0 = the frame's
   double min_distance_m = 0.35;        ///< nearest object centre searched
   double max_distance_m = 3.0;         ///< farthest

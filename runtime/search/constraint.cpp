@@ -34,8 +34,8 @@ Region Constraint::whole(int bin_index, const RotationBox& box) const {
   r.bin = bin_index;
   r.hi[kX] = static_cast<std::int16_t>(camera_.width - 1);
   r.hi[kY] = static_cast<std::int16_t>(camera_.height - 1);
-  r.lo[kZ] = std::max<std::int16_t>(1, first_at_or_above(min_distance_m_ / kLatticeDistance));
-  r.hi[kZ] = last_at_or_below(max_distance_m_ / kLatticeDistance);
+  r.lo[kZ] = static_cast<std::int16_t>(nearest_index());
+  r.hi[kZ] = static_cast<std::int16_t>(farthest_index());
   for (std::size_t a = 0; a < 3; ++a) {
     r.lo[kRx + a] = static_cast<std::int16_t>(box.lo_deg[a]);
     r.hi[kRx + a] = static_cast<std::int16_t>(box.hi_deg[a] - 1);
@@ -66,6 +66,76 @@ Region Constraint::tightened(Region region) const {
   // Where the range reaches around +-180 deg, an angle and its alias both matter: leave rx alone.
   if (rx.lo > -std::numbers::pi && rx.hi < std::numbers::pi) shrink(region, kRx, rx, kLatticeAngle);
   return region;
+}
+
+double Constraint::nearest_feasible_distance() const {
+  if (!table_) return min_distance_m_;
+  const UprightRange upright = upright_range_over(camera_, table_->table.up_in_camera,
+                                                  {0, camera_.width - 1.0}, {0, camera_.height - 1.0});
+  const Interval z = table_distance_range(table_->table, table_->centre_height_m, table_->tolerance,
+                                          upright.sine_of_elevation);
+  return z.empty() ? max_distance_m_ : std::clamp(z.lo, min_distance_m_, max_distance_m_);
+}
+
+int Constraint::nearest_index() const {
+  return std::max<std::int16_t>(1, first_at_or_above(min_distance_m_ / kLatticeDistance));
+}
+
+int Constraint::farthest_index() const { return last_at_or_below(max_distance_m_ / kLatticeDistance); }
+
+double Constraint::table_distance(int x, int y) const {
+  if (!table_) return 0;
+  const Eigen::Vector2d t = camera_.tangent(x, y);
+  const Eigen::Vector3d ray(t.x(), t.y(), 1);
+  const double sine = -table_->table.up_in_camera.dot(ray) / ray.norm();
+  const double drop = table_->table.camera_height_m - table_->centre_height_m;
+  return sine > 0 ? drop / sine : 0;
+}
+
+CellRange Constraint::over_cell(int x0, int y0, int x1, int y1) const {
+  CellRange range;
+  x1 = std::min(x1, camera_.width - 1);
+  y1 = std::min(y1, camera_.height - 1);
+  if (x0 > x1 || y0 > y1 || x0 < 0 || y0 < 0) return range;
+  constexpr std::int16_t kAny = 400;  // degrees: wider than every bin
+  if (!table_) {
+    range.offset_lo = nearest_index();
+    range.offset_hi = farthest_index();
+    range.rx_lo = range.ry_lo = -kAny;
+    range.rx_hi = range.ry_hi = kAny;
+    return range;
+  }
+  const UprightRange upright = upright_range_over(camera_, table_->table.up_in_camera,
+                                                  {static_cast<double>(x0), static_cast<double>(x1)},
+                                                  {static_cast<double>(y0), static_cast<double>(y1)});
+  const double drop = table_->table.camera_height_m - table_->centre_height_m;
+  const Interval& sine = upright.sine_of_elevation;
+  const Interval z = table_distance_range(table_->table, table_->centre_height_m, table_->tolerance, sine);
+  if (z.empty() || z.lo > max_distance_m_ + kLatticeDistance || z.hi < min_distance_m_ - kLatticeDistance)
+    return range;
+  const double angle = table_->tolerance.angle_rad;
+  const Interval ry = upright.ry.widened(angle);
+  const Interval rx = upright.rx.widened(angle);
+  range.ry_lo = first_at_or_above(ry.lo / kLatticeAngle);
+  range.ry_hi = last_at_or_below(ry.hi / kLatticeAngle);
+  // Where the range reaches around +-180 deg, an angle and its alias both matter: leave rx alone.
+  const bool alias = !(rx.lo > -std::numbers::pi && rx.hi < std::numbers::pi);
+  range.rx_lo = alias ? static_cast<std::int16_t>(-kAny) : first_at_or_above(rx.lo / kLatticeAngle);
+  range.rx_hi = alias ? kAny : last_at_or_below(rx.hi / kLatticeAngle);
+  if (sine.lo <= 0 || drop / sine.lo > 30000 * kLatticeDistance) {  // at the horizon: distances without end
+    range.table_distance = {std::min(drop, 0.0) / sine.hi, 1e6};
+    range.offset_lo = -32000;
+    range.offset_hi = 32000;
+    return range;
+  }
+  range.table_distance =
+      Interval{std::min(drop / sine.hi, drop / sine.lo), std::max(drop / sine.hi, drop / sine.lo)}.widened(
+          1e-9);
+  // |drop - z sine| <= height tolerance; one step for the floor of the anchor, one for the rounding.
+  const double spread = table_->tolerance.height_m / sine.lo / kLatticeDistance;
+  range.offset_lo = static_cast<int>(std::floor(-spread)) - 1;
+  range.offset_hi = static_cast<int>(std::ceil(spread)) + 2;
+  return range;
 }
 
 double Constraint::coverage(const std::vector<ViewpointBin>& bins) const {

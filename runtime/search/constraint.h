@@ -18,6 +18,14 @@ struct TableConstraint {
   double centre_height_m = 0;  ///< of the object's centre above the table
 };
 
+/// What is feasible over a rectangle of pixels. Lattice steps, closed; never loses a feasible pose.
+struct CellRange {
+  Interval table_distance;  ///< metres from the camera to the surface of standing centres; 0 without a table
+  int offset_lo = 0, offset_hi = -1;  ///< of z from floor(table_distance / step) of the pose's own pixel
+  std::int16_t rx_lo = 0, rx_hi = -1, ry_lo = 0, ry_hi = -1;
+  bool empty() const { return offset_lo > offset_hi || rx_lo > rx_hi || ry_lo > ry_hi; }
+};
+
 /// What poses are allowed in one frame for one object.
 class Constraint {
  public:
@@ -32,6 +40,17 @@ class Constraint {
   /// CONSTRAINT-INTERSECT (Proc. 28): shrinks z, rx, ry to what the table allows over the region's pixels.
   /// Never loses a feasible pose; may become empty().
   Region tightened(Region region) const;
+  /// The same for the pixels x0..x1, y0..y1 (those outside of the image hold no pose).
+  CellRange over_cell(int x0, int y0, int x1, int y1) const;
+  /// Metres to the surface of standing centres along the ray of pixel (x, y); 0 without a table or where the
+  /// ray does not meet it.
+  double table_distance(int x, int y) const;
+  const PinholeCamera& camera() const { return camera_; }
+  /// Metres; no feasible pose in the image is nearer.
+  double nearest_feasible_distance() const;
+  /// Lattice indices of the allowed distances.
+  int nearest_index() const;
+  int farthest_index() const;
   /// Share of the feasible (pixel, rx, ry), sampled on a fixed grid, that lies in one of the boxes; 1 without
   /// a table. Poses in no box are never found: the caller reports this.
   double coverage(const std::vector<ViewpointBin>& bins) const;

@@ -46,11 +46,13 @@ void build_levels(Levels& levels, int width, int height, Fold fold) {
 
 }  // namespace
 
-void FrameTables::build(const SearchFrame& frame, const cv::Mat& edges, int clip_radius, WorkerPool& pool) {
+void FrameTables::build(const SearchFrame& frame, const cv::Mat& edges, int clip_radius, WorkerPool& pool,
+                        bool windows) {
   if (clip_radius < 1 || clip_radius > 200) throw std::logic_error("clip_radius outside 1..200");
   width_ = frame.camera.width;
   height_ = frame.camera.height;
   camera_ = frame.camera;
+  clip_radius_ = clip_radius;
   const int w = width_ + 2;
   const int h = height_ + 2;
   const std::size_t size = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
@@ -58,7 +60,7 @@ void FrameTables::build(const SearchFrame& frame, const cv::Mat& edges, int clip
     Levels& levels = distance_[kind];
     levels[0].values.assign(size, kFar);
     clipped_distance2(edges, static_cast<int>(kind), clip_radius, levels[0].values.data() + w + 1, w);
-    build_levels(levels, w, h, Smaller{});
+    if (windows) build_levels(levels, w, h, Smaller{});
   };
   nearest_[0].values.assign(size, kMissing);
   farthest_[0].values.assign(size, 0);
@@ -77,6 +79,7 @@ void FrameTables::build(const SearchFrame& frame, const cv::Mat& edges, int clip
   }
   pool.for_each(11, [&](std::size_t task) {
     if (task < 8) build_distances(task);
+    if (!windows) return;
     if (task == 8) build_levels(nearest_, w, h, Smaller{});
     if (task == 9) build_levels(farthest_, w, h, Larger{});
     if (task == 10) build_levels(missing_, w, h, Larger{});

@@ -45,11 +45,14 @@ class FrameTables {
 
   /// Builds all tables; buffers are reused from call to call. edges: edges_by_direction; clip_radius: pixels
   /// beyond which a feature does not matter, 1..200.
-  void build(const SearchFrame& frame, const cv::Mat& edges, int clip_radius, WorkerPool& pool);
+  /// windows false: only the exact planes (level 0), all that LaneTables and `evaluate` need.
+  void build(const SearchFrame& frame, const cv::Mat& edges, int clip_radius, WorkerPool& pool,
+             bool windows = true);
 
   int width() const { return width_; }
   int height() const { return height_; }
   int stride() const { return width_ + 2; }
+  int clip_radius() const { return clip_radius_; }
   const PinholeCamera& camera() const { return camera_; }
 
   /// Index of the window level that covers `side` pixels, or kWindowSides.size() where none does.
@@ -82,6 +85,7 @@ class FrameTables {
   using Levels = std::array<TablePlane, kWindowSides.size()>;
   int width_ = 0;
   int height_ = 0;
+  int clip_radius_ = 1;
   PinholeCamera camera_;
   std::array<Levels, 8> distance_;
   Levels nearest_;

@@ -272,6 +272,7 @@ TEST_F(Service, ACancelledSearchIsNotComplete) {
 
 TEST(DetectorCall, StopsASearchThatIsUnderWay) {
   DetectionSetup setup = setup_of({model("mug", 1)});
+  setup.options.bound = "window";
   Detector detector({setup.models[0].model}, setup.options);
   int asked = 0;
   DetectCall call;

@@ -6,37 +6,13 @@
 
 #include <limits>
 
-#include "random_problem.h"
 #include "runtime/search/evaluate.h"
 #include "runtime/search/reference/brute_force.h"
 #include "runtime/search/reference/thesis_search.h"
+#include "small_space.h"
 
 namespace sextant {
 namespace {
-
-/// A space small enough for brute force: few distances, a narrow table.
-struct SmallSpace {
-  RandomProblem problem;
-  Constraint constraint;
-  std::vector<ScoredBin> bins;
-  std::vector<Region> space;
-
-  explicit SmallSpace(std::uint64_t seed)
-      : problem(seed, 24, 18), constraint(problem.camera(), 0.9, 0.93, table()), bins(problem.bins()) {
-    for (std::size_t i = 0; i < bins.size(); ++i) {
-      // The few degrees around upright as this table shows it.
-      bins[i].box.lo_deg = {-2, -42, 12 * static_cast<int>(i)};
-      bins[i].box.hi_deg = {2, -38, 12 * static_cast<int>(i) + 4};
-      space.push_back(constraint.whole(static_cast<int>(i), bins[i].box));
-    }
-  }
-  TableConstraint table() {
-    return {TableGeometry::from_pitch_roll(problem.uniform(0.65, 0.75), problem.uniform(-0.05, 0.05), 0.64),
-            {0.02, 6 * kLatticeAngle},
-            0.05};
-  }
-  SearchProblem search() const { return {bins, problem.tables(), constraint, 0.1}; }
-};
 
 void expect_same(const SearchOutcome& a, const SearchOutcome& b) {
   ASSERT_EQ(a.found.size(), b.found.size());
