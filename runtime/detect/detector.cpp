@@ -35,7 +35,7 @@ struct SearchedObject {
   double largest_visual_radius = 0;
 
   void prepare_for(double score) {
-    if (score >= floor) return;
+    if (score == floor) return;
     floor = score;
     lane_bins.clear();
     for (const ScoredBin& bin : bins) lane_bins.push_back(lane_bin(bin, floor));
@@ -183,6 +183,7 @@ struct Detector::Impl {
 
     const auto search_start = Clock::now();
     const std::vector<SearchedModel> searched = searched_models(call, constraints);
+    if (searched.empty()) return result;
     const std::vector<SearchOutcome> outcomes =
         lanes ? search_together(searched, call, search_start) : search_in_turn(searched, call, search_start);
     for (std::size_t i = 0; i < searched.size(); ++i) report(searched[i], frame, outcomes[i], result);

@@ -147,7 +147,8 @@ TEST_F(Sextantd, ExitCodesAreThoseOfTheManual) {
 }
 
 TEST_F(Sextantd, EveryTopicIsThereAndTheImageOnlyOnDemand) {
-  ChildProcess daemon = start({"--config", write_config("", "loop: true", ", threshold: -1e9").string()});
+  ChildProcess daemon =
+      start({"--config", write_config("", "loop: true", ", threshold: -1e9, bound: window").string()});
   std::map<std::string, nlohmann::json> last;
   std::vector<std::unique_ptr<EchoReader>> readers;
   for (const std::string topic : {"pose_estimates", "object_pose", "tf", "markers", "annotated/image_raw",
@@ -173,7 +174,8 @@ TEST_F(Sextantd, EveryTopicIsThereAndTheImageOnlyOnDemand) {
 }
 
 TEST_F(Sextantd, DoesWhatItIsAskedAndSaysWhatItCannot) {
-  ChildProcess daemon = start({"--config", write_config("", "loop: true", ", threshold: -1e9").string()});
+  ChildProcess daemon =
+      start({"--config", write_config("", "loop: true", ", threshold: -1e9, bound: window").string()});
   CommandClient client(domain_.reading, {domain_.name_space});
   int number = 0;
   const auto ask = [&](Command command) {
@@ -193,12 +195,12 @@ TEST_F(Sextantd, DoesWhatItIsAskedAndSaysWhatItCannot) {
   EXPECT_THAT(answer["message"].get<std::string>(), HasSubstr("loaded are: box"));
 
   // A new configuration: a bad one changes nothing, a good one makes everything as in the file.
-  write_config("", "loop: true", ", threshold: many");
+  write_config("", "loop: true", ", threshold: many, bound: window");
   answer = ask({"", CommandKind::kReload});
   EXPECT_EQ(answer["result"], "failed");
   EXPECT_THAT(answer["message"].get<std::string>(), HasSubstr("detect.threshold is 'many'"));
   EXPECT_EQ(answer["objects"][0]["enabled"], false);
-  write_config("log: {level: debug}\n", "loop: true", ", threshold: -5e8");
+  write_config("log: {level: debug}\n", "loop: true", ", threshold: -5e8, bound: window");
   ObjectModel second = test::make_box_model(1, 10, 5);
   second.name = "crate";
   write_model(second, folder_ / "crate.sxm");

@@ -58,9 +58,10 @@ TEST(FastDdsCamera, DrivesADetection) {
   write_model(model, folder / "box.sxm");
   const std::string space = domain.name_space;
   std::ofstream(folder / "sextantd.yaml")
-      << "source: {kind: dds, frame_id: fast_camera}\ncolour: {topic: " << space << "/colour/image_raw}\ndepth: {topic: " << space
-      << "/depth/image_raw}\nmodels: {files: [box.sxm]}\n"
-      << "detect: {table: fixed, table_pitch_deg: 40, table_height_m: 0.7, threads: 1, threshold: -1e9}\n"
+      << "source: {kind: dds, frame_id: fast_camera}\ncolour: {topic: " << space
+      << "/colour/image_raw}\ndepth: {topic: " << space << "/depth/image_raw}\nmodels: {files: [box.sxm]}\n"
+      << "detect: {table: fixed, table_pitch_deg: 40, table_height_m: 0.7, threads: 1, threshold: -1e9, "
+         "bound: window}\n"
       << "publish: {domain: " << domain.writing << ", namespace: " << space
       << "}\npipeline: {max_age_ms: 60000}\n";
   ChildProcess daemon({SEXTANTD, "--config", (folder / "sextantd.yaml").string()}, folder.path());

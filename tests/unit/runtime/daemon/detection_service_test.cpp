@@ -52,6 +52,7 @@ DetectionSetup setup_of(std::vector<LoadedModel> models) {
   setup.options.fixed_table = TableGeometry::from_pitch_roll(0.7, 0, 0.7);
   setup.options.threads = 1;
   setup.options.threshold = -1e9;  // something is always found
+  setup.options.bound = "window";  // quick where every pose counts
   return setup;
 }
 
@@ -268,6 +269,25 @@ TEST_F(Service, ACancelledSearchIsNotComplete) {
   service_.cancel();
   const FrameResult result = service_.detect(noise_frame());
   EXPECT_TRUE(result.objects.empty());
+}
+
+TEST(DetectorCall, ThresholdsBelowAndAboveTheConfiguredOneReachTheFastEngineToo) {
+  DetectionSetup setup = setup_of({model("mug", 1)});
+  setup.options.bound = "lanes";
+  setup.options.threshold = 1e6;
+  Detector detector({setup.models[0].model}, setup.options);
+  EXPECT_EQ(detector.detect(noise_frame()).objects[0].status, SearchStatus::kAbsent);
+  DetectCall low;
+  low.thresholds["mug"] = -1e9;
+  const FrameResult found = detector.detect(noise_frame(), low);
+  ASSERT_EQ(found.estimates.size(), 1U);
+  DetectionSetup plain = setup_of({model("mug", 1)});
+  Detector twin({plain.models[0].model}, plain.options);
+  EXPECT_EQ(found.estimates[0].log_score, twin.detect(noise_frame()).estimates[0].log_score);
+  EXPECT_EQ(detector.detect(noise_frame()).objects[0].status, SearchStatus::kAbsent);
+  DetectCall none;
+  none.wanted = [](const std::string&) { return false; };
+  EXPECT_TRUE(detector.detect(noise_frame(), none).objects.empty());
 }
 
 TEST(DetectorCall, StopsASearchThatIsUnderWay) {
