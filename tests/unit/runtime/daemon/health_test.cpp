@@ -48,7 +48,7 @@ TEST(Health, TellsRatesLatenciesAndCounts) {
   now.readers = 2;
   for (int i = 1; i <= 99; ++i) health.frame(published(i));
   FrameResult result;
-  result.objects.push_back({1, "mug", SearchStatus::kOptimal, 0, 0, 0.5});
+  result.objects.push_back({0, 1, "mug", SearchStatus::kOptimal, 0, 0, 0.5});
   result.nodes = 77;
   health.result(result);
   DiagnosticReport report = health.report(now, 2, CaptureTime(std::chrono::seconds(5)));
@@ -107,7 +107,7 @@ TEST(Health, LevelsSayWhatIsWrong) {
             DiagnosticLevel::kWarn);
   const DiagnosticReport bounded = report_of([](auto&, auto& health) {
     FrameResult result;
-    result.objects.push_back({1, "mug", SearchStatus::kBounded, 0, 0, 1});
+    result.objects.push_back({0, 1, "mug", SearchStatus::kBounded, 0, 0, 1});
     health.result(result);
   });
   EXPECT_EQ(bounded.parts[kSearch].level, DiagnosticLevel::kWarn);

@@ -37,9 +37,9 @@ inline FrameResult random_result(unsigned seed, int poses) {
     e.status = i % 2 == 0 ? SearchStatus::kOptimal : SearchStatus::kBounded;
     e.bbox = {100 * unit(random), 100 * unit(random), 50 * unit(random), 50 * unit(random)};
     result.estimates.push_back(e);
-    result.objects.push_back({e.object_id, e.object_name, e.status, e.upper_bound, -12.5, unit(random)});
+    result.objects.push_back({0, e.object_id, e.object_name, e.status, e.upper_bound, -12.5, unit(random)});
   }
-  result.objects.push_back({99, "missing", SearchStatus::kAbsent, -30.25, -12.5, 1});
+  result.objects.push_back({0, 99, "missing", SearchStatus::kAbsent, -30.25, -12.5, 1});
   result.table = TableGeometry::from_pitch_roll(0.6, -0.1, 0.75);
   result.table_origin = TableProvenance::kEstimate;
   return result;
