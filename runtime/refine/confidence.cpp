@@ -28,7 +28,8 @@ ConfidenceFeatures confidence_features(const PoseEstimate& estimate) {
 }
 
 const std::array<float, kConfidenceFeatures + 1>& general_confidence_weights() {
-  // sextant calibrate --show-general over the models of docs/BENCHMARKS.md.
+  // Set by hand, not fitted: an ordering of poses, not yet a probability. `sextant calibrate` fits a model's
+  // own.
   static constexpr std::array<float, kConfidenceFeatures + 1> kWeights{-9, 6, 3, 5, 1, 0, 1, 1};
   return kWeights;
 }

@@ -21,7 +21,7 @@ ConfidenceFeatures confidence_features(const PoseEstimate& estimate);
 /// In 0..1; rises with every feature. Uses the model's weights where it is calibrated, else the general ones.
 double confidence(const ConfidenceModel& model, const ConfidenceFeatures& features);
 
-/// Weights fitted on several synthetic objects; for models that were not calibrated themselves.
+/// Weights set by hand, for models that were not calibrated themselves: an ordering, not yet a probability.
 const std::array<float, kConfidenceFeatures + 1>& general_confidence_weights();
 
 /// The confidence that a detection must reach so that at most this share (0..1) of images shows a false one:
