@@ -54,7 +54,7 @@ class PairedSource final : public FrameSource {
         std::unique_lock lock(mutex_);
         changed_.wait_until(lock, deadline, [&] {
           take_newest(pair);
-          return pair || closed_ || error_ || any_ended();
+          return pair || closed_ || error_ || finished();
         });
         if (closed_) return std::nullopt;
         if (!pair && error_) std::rethrow_exception(error_);
@@ -81,7 +81,7 @@ class PairedSource final : public FrameSource {
   SourceState state() const override {
     {
       const std::lock_guard lock(mutex_);
-      if (closed_ || (any_ended() && drained_)) return SourceState::kEnded;
+      if (closed_ || finished()) return SourceState::kEnded;
     }
     for (const auto& stream : streams_) {
       if (stream->state() == SourceState::kWaiting) return SourceState::kWaiting;
@@ -132,6 +132,11 @@ class PairedSource final : public FrameSource {
 
   static std::size_t index(Stream stream) { return static_cast<std::size_t>(stream); }
   bool any_ended() const { return ended_[0] || ended_[1]; }
+  /// A stream has ended and none of its images waits: no pair can come any more.
+  bool finished() const {
+    return (ended_[0] && synchroniser_.idle(Stream::kColour)) ||
+           (ended_[1] && synchroniser_.idle(Stream::kDepth));
+  }
 
   /// One stream's thread.
   void read(Stream stream) {
@@ -189,7 +194,6 @@ class PairedSource final : public FrameSource {
       newest.reset();
       last_.reset();  // the device's clock was set back: its time counts from here
     }
-    drained_ = !newest;
   }
 
   bool is_stale(const Decoded& colour) const {
@@ -217,7 +221,6 @@ class PairedSource final : public FrameSource {
   SourceStatistics statistics_;
   std::array<bool, 2> ended_{};
   bool closed_ = false;
-  bool drained_ = false;
   std::exception_ptr error_;
   std::string refusal_;                ///< the last image that was refused, and why
   std::optional<MonotonicTime> last_;  ///< of the frame handed out last

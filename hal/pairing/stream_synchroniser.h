@@ -66,6 +66,9 @@ class StreamSynchroniser {
     queue.items.push_back({time, sequence, std::move(image)});
   }
 
+  /// No image of the stream waits for a partner.
+  bool idle(Stream stream) const { return queues_[index(stream)].items.empty(); }
+
   /// The oldest pair that is certain, or nothing. at_end: no image will come any more, decide now.
   std::optional<Pair> pop(bool at_end = false) {
     while (!queues_[0].items.empty() && !queues_[1].items.empty()) {

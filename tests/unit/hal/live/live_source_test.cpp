@@ -148,9 +148,9 @@ TEST_F(LiveSource, OpensAnewWhatEnded) {
   device_.absent = false;
   device_.number = 0;
   device_.arrivals.clear();
-  device_.image();
   std::optional<RawImage> image;
   EXPECT_TRUE(eventually(*source, [&] {
+    device_.image();  // a fresh one at every try: the wait for the device may outlast an image's age
     if (!image) image = source->next(5ms);
     return image.has_value();
   }));
@@ -194,8 +194,10 @@ TEST_F(LiveSource, AnAbsentDeviceIsTriedThriceOrWaitedFor) {
   const auto source = open();
   EXPECT_EQ(source->state(), SourceState::kWaiting);
   device_.absent = false;
-  device_.image();
-  EXPECT_TRUE(eventually(*source, [&] { return source->state() == SourceState::kRunning; }));
+  EXPECT_TRUE(eventually(*source, [&] {
+    device_.image();
+    return source->state() == SourceState::kRunning;
+  }));
   EXPECT_EQ(source->statistics().reconnects, 0U);
 }
 

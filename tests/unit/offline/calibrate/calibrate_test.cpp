@@ -45,7 +45,8 @@ TEST(Calibrate, TheThresholdKeepsItsPromiseOnNewScenes) {
     for (const Observation& o : fresh.detections) {
       false_ones += !o.right && confidence(model, o.features) >= threshold ? 1 : 0;
     }
-    EXPECT_LT(false_ones / 5000.0, rate + 0.03);
+    // Learnt from 400 scenes: two standard deviations of a share of 0.3 are 0.046.
+    EXPECT_LT(false_ones / 5000.0, rate + 0.05);
     EXPECT_GT(false_ones / 5000.0, rate - 0.05);
   }
 }
