@@ -210,33 +210,5 @@ TEST(Faults, AReaderThatDoesNotReadGetsTheNewestOnes) {
   EXPECT_THAT(stamps, testing::ElementsAre(191, 192, 193, 194, 195, 196, 197, 198, 199, 200));
 }
 
-TEST(Faults, SmallSocketBuffersLosePicturesNotPoses) {
-  const DdsTestDomain domain;
-  const std::string uri =
-      std::string(std::getenv("CYCLONEDDS_URI")) +
-      ",<CycloneDDS><Domain Id=\"any\"><Internal><SocketReceiveBufferSize min=\"default\" max=\"8kB\"/>"
-      "</Internal></Domain></CycloneDDS>";
-  setenv("CYCLONEDDS_URI", uri.c_str(), 1);
-  Publisher publisher(options_of(domain));
-  int poses = 0, pictures = 0;
-  const QosPointer qos = make_qos({.reliable = true, .depth = 10});
-  const RawReader reader(domain.reading, *topic_type<Detection3DArrayMessage>().descriptor,
-                         "rt/" + domain.name_space + "/detections", qos.get());
-  EchoReader viewer({domain.reading, domain.name_space + "/annotated/image_raw", TopicKind::kAnnotated},
-                    [&](const EchoMessage&) { ++pictures; });
-  ASSERT_TRUE(eventually([&] { return publisher.matched_readers() == 2 && reader.matched() == 1; }));
-  const cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(1, 2, 3));
-  for (unsigned i = 0; i < 30; ++i) {
-    const FrameResult result = random_result(i, 1);
-    publisher.publish(result);
-    publisher.publish_annotated(result, picture);
-    viewer.poll(milliseconds(0));
-    poses += reader.take();
-  }
-  EXPECT_TRUE(eventually([&] { return (poses += reader.take()) >= 30; })) << poses;
-  EXPECT_EQ(poses, 30);
-  EXPECT_LE(pictures, 30);
-}
-
 }  // namespace
 }  // namespace sextant
