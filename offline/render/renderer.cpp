@@ -34,6 +34,20 @@ GLuint compile(GLenum type, const char* source) {
   return shader;
 }
 
+/// Features of the colour shader that a draw needs; a variant is a sum of them.
+constexpr std::size_t kTextured = 1;
+constexpr std::size_t kFills = 2;
+constexpr std::size_t kGloss = 4;
+constexpr std::size_t kVariants = 8;
+
+std::string colour_shader(std::size_t variant) {
+  std::string source = "#version 330 core\n";
+  if (variant & kTextured) source += "#define TEXTURED\n";
+  if (variant & kFills) source += "#define FILLS\n";
+  if (variant & kGloss) source += "#define GLOSS\n";
+  return source + kColourShader;
+}
+
 GLuint link(const char* fragment) {
   const GLuint program = glCreateProgram();
   const GLuint v = compile(GL_VERTEX_SHADER, kVertexShader);
@@ -165,18 +179,18 @@ Eigen::Matrix4d clip_from_camera(const PinholeCamera& camera, const cv::Rect& wi
 struct Renderer::Impl {
   EglContext egl;
   GLuint geometry_program = 0;
-  GLuint colour_program = 0;
+  std::array<GLuint, kVariants> colour_programs{};  ///< linked when first needed
   Targets targets;
   std::map<int, MeshOnGpu> meshes;
   int next_handle = 0;
 
-  Impl() : geometry_program(link(kGeometryShader)), colour_program(link(kColourShader)) {}
+  Impl() : geometry_program(link(kGeometryShader)) {}
   ~Impl() {
     egl.make_current();
     while (!meshes.empty()) forget(meshes.begin()->first);
     targets.destroy();
     glDeleteProgram(geometry_program);
-    glDeleteProgram(colour_program);
+    for (const GLuint program : colour_programs) glDeleteProgram(program);
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -205,11 +219,10 @@ struct Renderer::Impl {
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
   }
 
-  void set_light(const Light& light) const {
-    glUseProgram(colour_program);
-    set_vector(colour_program, "light_in_camera", light.position_in_camera.cast<float>());
-    glUniform1f(glGetUniformLocation(colour_program, "ambient"), static_cast<float>(light.ambient));
-    glUniform1f(glGetUniformLocation(colour_program, "strength"), static_cast<float>(light.strength));
+  static void set_light(GLuint program, const Light& light) {
+    set_vector(program, "light_in_camera", light.position_in_camera.cast<float>());
+    glUniform1f(glGetUniformLocation(program, "ambient"), static_cast<float>(light.ambient));
+    glUniform1f(glGetUniformLocation(program, "strength"), static_cast<float>(light.strength));
     const std::size_t fills = std::min(light.fills.size(), kMaxFillLights);
     std::array<Eigen::Vector3f, kMaxFillLights> positions;
     std::array<float, kMaxFillLights> strengths{};
@@ -220,36 +233,53 @@ struct Renderer::Impl {
       strengths[i] = static_cast<float>(light.fills[i].strength);
     }
     constexpr auto kCount = static_cast<GLsizei>(kMaxFillLights);
-    glUniform1i(glGetUniformLocation(colour_program, "fill_count"), static_cast<GLint>(fills));
-    glUniform3fv(glGetUniformLocation(colour_program, "fill_in_camera"), kCount, positions[0].data());
-    glUniform1fv(glGetUniformLocation(colour_program, "fill_strength"), kCount, strengths.data());
+    glUniform1i(glGetUniformLocation(program, "fill_count"), static_cast<GLint>(fills));
+    glUniform3fv(glGetUniformLocation(program, "fill_in_camera"), kCount, positions[0].data());
+    glUniform1fv(glGetUniformLocation(program, "fill_strength"), kCount, strengths.data());
   }
 
-  void draw(GLuint program, const Eigen::Matrix4d& clip, const std::vector<RenderItem>& items,
-            bool coloured) {
-    glUseProgram(program);
-    set_matrix(program, "clip_from_camera", clip);
+  void draw_geometry(const Eigen::Matrix4d& clip, const std::vector<RenderItem>& items) {
+    glUseProgram(geometry_program);
+    set_matrix(geometry_program, "clip_from_camera", clip);
     for (std::size_t i = 0; i < items.size(); ++i) {
       const MeshOnGpu& mesh = meshes.at(items[i].mesh);
-      set_matrix(program, "camera_from_mesh", items[i].camera_from_mesh.matrix());
-      if (coloured) {
-        glUniform1f(glGetUniformLocation(program, "gloss"), static_cast<float>(items[i].gloss));
-      } else {
-        glUniform1i(glGetUniformLocation(program, "item"), static_cast<GLint>(i));
-      }
+      set_matrix(geometry_program, "camera_from_mesh", items[i].camera_from_mesh.matrix());
+      glUniform1i(glGetUniformLocation(geometry_program, "item"), static_cast<GLint>(i));
+      glBindVertexArray(mesh.array);
+      for (const PartOnGpu& part : mesh.parts) draw_elements(part);
+    }
+  }
+
+  void draw_colours(const Eigen::Matrix4d& clip, const std::vector<RenderItem>& items, const Light& light) {
+    std::array<bool, kVariants> lit{};
+    for (const RenderItem& item : items) {
+      const MeshOnGpu& mesh = meshes.at(item.mesh);
       glBindVertexArray(mesh.array);
       for (const PartOnGpu& part : mesh.parts) {
-        if (coloured) {
-          set_vector(program, "diffuse", part.diffuse);
-          glUniform1i(glGetUniformLocation(program, "textured"), part.texture >= 0);
-          if (part.texture >= 0) {
-            glBindTexture(GL_TEXTURE_2D, mesh.textures[static_cast<std::size_t>(part.texture)]);
-          }
+        const std::size_t variant = (part.texture >= 0 ? kTextured : 0) + (light.fills.empty() ? 0 : kFills) +
+                                    (item.gloss > 0 ? kGloss : 0);
+        GLuint& program = colour_programs[variant];
+        if (program == 0) program = link(colour_shader(variant).c_str());
+        glUseProgram(program);
+        if (!lit[variant]) {
+          set_light(program, light);
+          set_matrix(program, "clip_from_camera", clip);
+          lit[variant] = true;
         }
-        glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, part.elements);
-        glDrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT, nullptr);
+        set_matrix(program, "camera_from_mesh", item.camera_from_mesh.matrix());
+        glUniform1f(glGetUniformLocation(program, "gloss"), static_cast<float>(item.gloss));
+        set_vector(program, "diffuse", part.diffuse);
+        if (part.texture >= 0) {
+          glBindTexture(GL_TEXTURE_2D, mesh.textures[static_cast<std::size_t>(part.texture)]);
+        }
+        draw_elements(part);
       }
     }
+  }
+
+  static void draw_elements(const PartOnGpu& part) {
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, part.elements);
+    glDrawElements(GL_TRIANGLES, part.count, GL_UNSIGNED_INT, nullptr);
   }
 };
 
@@ -301,7 +331,7 @@ RenderedView Renderer::render_geometry(const PinholeCamera& camera, const cv::Re
   glClearBufferfv(GL_COLOR, 0, no_depth);
   glClearBufferiv(GL_COLOR, 1, no_item);
   glClearBufferfv(GL_DEPTH, 0, &far_depth);
-  gl.draw(gl.geometry_program, clip_from_camera(camera, window), items, false);
+  gl.draw_geometry(clip_from_camera(camera, window), items);
   RenderedView view;
   view.ray_depth_m.create(window.height, window.width, CV_32FC1);
   view.item.create(window.height, window.width, CV_16SC1);
@@ -331,8 +361,7 @@ cv::Mat Renderer::render_colour(const PinholeCamera& camera, const cv::Rect& win
                            static_cast<float>(background.z() / 255), 1};
   glClearBufferfv(GL_COLOR, 0, clear);
   glClearBufferfv(GL_DEPTH, 0, &far_depth);
-  gl.set_light(light);
-  gl.draw(gl.colour_program, clip_from_camera(camera, window), items, true);
+  gl.draw_colours(clip_from_camera(camera, window), items, light);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, gl.targets.multisample);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, gl.targets.resolve);
   glBlitFramebuffer(0, 0, window.width, window.height, 0, 0, window.width, window.height, GL_COLOR_BUFFER_BIT,

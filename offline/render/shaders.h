@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two programs of the renderer. The geometry pass writes the ray depth of the surface point at the
-// pixel's centre and the item's index; the colour pass lights it. Sharing one vertex shader keeps both
-// passes on the same pixels.
+// The programs of the renderer. The geometry pass writes the ray depth of the surface point at the pixel's
+// centre and the item's index; the colour pass lights it. Sharing one vertex shader keeps both passes on the
+// same pixels. The colour pass comes in variants (TEXTURED, FILLS, GLOSS): a software rasteriser runs every
+// branch of a shader for every pixel.
 #pragma once
 
 namespace sextant {
@@ -38,13 +39,12 @@ void main() {
 }
 )";
 
-inline constexpr const char* kColourShader = R"(#version 330 core
+inline constexpr const char* kColourShader = R"(
 in vec3 p_in_camera;
 in vec3 n_in_camera;
 in vec3 vertex_colour;
 in vec2 vertex_uv;
 uniform vec3 diffuse;
-uniform bool textured;
 uniform sampler2D image;
 uniform vec3 light_in_camera;
 uniform float ambient;
@@ -60,19 +60,24 @@ void main() {
   vec3 to_light = normalize(light_in_camera - p_in_camera);
   float lambert = max(0.0, dot(n, to_light));
   vec3 albedo = vertex_colour * diffuse;
-  if (textured) albedo *= texture(image, vec2(vertex_uv.x, 1.0 - vertex_uv.y)).rgb;
+#ifdef TEXTURED
+  albedo *= texture(image, vec2(vertex_uv.x, 1.0 - vertex_uv.y)).rgb;
+#endif
   float light = ambient + (1.0 - ambient) * strength * lambert;
   float shine = 0.0;
-  if (gloss > 0.0) {
-    vec3 to_eye = normalize(-p_in_camera);
-    shine = strength * pow(max(0.0, dot(n, normalize(to_light + to_eye))), 50.0);
-    for (int i = 0; i < fill_count; ++i) {
-      vec3 to_fill = normalize(fill_in_camera[i] - p_in_camera);
-      shine += fill_strength[i] * pow(max(0.0, dot(n, normalize(to_fill + to_eye))), 50.0);
-    }
+#ifdef GLOSS
+  vec3 to_eye = normalize(-p_in_camera);
+  shine = strength * pow(max(0.0, dot(n, normalize(to_light + to_eye))), 50.0);
+#endif
+#ifdef FILLS
+  for (int i = 0; i < fill_count; ++i) {
+    vec3 to_fill = normalize(fill_in_camera[i] - p_in_camera);
+    light += fill_strength[i] * max(0.0, dot(n, to_fill));
+#ifdef GLOSS
+    shine += fill_strength[i] * pow(max(0.0, dot(n, normalize(to_fill + to_eye))), 50.0);
+#endif
   }
-  for (int i = 0; i < fill_count; ++i)
-    light += fill_strength[i] * max(0.0, dot(n, normalize(fill_in_camera[i] - p_in_camera)));
+#endif
   colour = vec4(albedo * light + gloss * shine, 1.0);
 }
 )";
