@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/features/edges.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <opencv2/imgproc.hpp>
+#include <vector>
 
 namespace sextant {
 
@@ -24,43 +26,57 @@ unsigned edge_kinds(int dx, int dy) {
   return (1U << below) | (1U << ((below + 1) % 8));
 }
 
-cv::Mat edges_by_direction(const cv::Mat& colour, const EdgeOptions& options) {
-  cv::Mat smooth;
-  cv::GaussianBlur(colour, smooth, {3, 3}, 0, 0, cv::BORDER_REPLICATE);
-  cv::Mat gx;
-  cv::Mat gy;
-  cv::Sobel(smooth, gx, CV_16S, 1, 0, 3, 1, 0, cv::BORDER_REPLICATE);
-  cv::Sobel(smooth, gy, CV_16S, 0, 1, 3, 1, 0, cv::BORDER_REPLICATE);
-  cv::Mat dx(colour.size(), CV_16SC1);
-  cv::Mat dy(colour.size(), CV_16SC1);
-  for (int y = 0; y < colour.rows; ++y) {
-    const auto* sx = gx.ptr<cv::Vec3s>(y);
-    const auto* sy = gy.ptr<cv::Vec3s>(y);
-    auto* tx = dx.ptr<short>(y);
-    auto* ty = dy.ptr<short>(y);
-    for (int x = 0; x < colour.cols; ++x) {
-      int best = -1;
-      for (int c = 0; c < 3; ++c) {
-        const int norm = sx[x][c] * sx[x][c] + sy[x][c] * sy[x][c];
-        if (norm > best) {
-          best = norm;
-          tx[x] = sx[x][c];
-          ty[x] = sy[x][c];
-        }
-      }
-    }
-  }
-  cv::Mat edges;
-  cv::Canny(dx, dy, edges, options.low, options.high, true);
-  for (int y = 0; y < edges.rows; ++y) {
-    auto* row = edges.ptr<std::uint8_t>(y);
+namespace {
+
+/// The norm that `permille` of the pixels exceed, asked at every other pixel of every other row. (Floats
+/// round the root of none of these integers up to the next one.)
+int norm_exceeded_by(const cv::Mat& dx, const cv::Mat& dy, int permille) {
+  constexpr int kLargest = 1 << 11;
+  std::vector<int> histogram(kLargest + 1, 0);
+  std::int64_t asked = 0;
+  for (int y = 0; y < dx.rows; y += 2) {
     const auto* tx = dx.ptr<short>(y);
     const auto* ty = dy.ptr<short>(y);
+    for (int x = 0; x < dx.cols; x += 2, ++asked) {
+      const int norm = static_cast<int>(std::sqrt(static_cast<float>(tx[x] * tx[x] + ty[x] * ty[x])));
+      ++histogram[static_cast<std::size_t>(std::min(norm, kLargest))];
+    }
+  }
+  std::int64_t left = asked * permille / 1000;
+  int norm = kLargest;
+  while (norm > 0 && (left -= histogram[static_cast<std::size_t>(norm)]) >= 0) --norm;
+  return norm;
+}
+
+EdgeOptions adapted(const EdgeOptions& options, const cv::Mat& dx, const cv::Mat& dy) {
+  if (options.adapt_permille <= 0) return options;
+  EdgeOptions out = options;
+  const int least = std::min(options.adapt_least, options.high);
+  out.high = std::clamp(norm_exceeded_by(dx, dy, options.adapt_permille), least, options.high);
+  out.low = std::max(1, options.low * out.high / options.high);
+  return out;
+}
+
+}  // namespace
+
+cv::Mat EdgeFinder::edges_by_direction(const cv::Mat& colour, const EdgeOptions& options) {
+  strongest_gradient(colour, gradient_);
+  const EdgeOptions used = adapted(options, gradient_.dx, gradient_.dy);
+  cv::Mat edges;
+  thinning_.edges(gradient_, used.low, used.high, edges);
+  for (int y = 0; y < edges.rows; ++y) {
+    auto* row = edges.ptr<std::uint8_t>(y);
+    const auto* dx = gradient_.dx.ptr<short>(y);
+    const auto* dy = gradient_.dy.ptr<short>(y);
     for (int x = 0; x < edges.cols; ++x) {
-      if (row[x]) row[x] = static_cast<std::uint8_t>(edge_kinds(tx[x], ty[x]));
+      if (row[x]) row[x] = static_cast<std::uint8_t>(edge_kinds(dx[x], dy[x]));
     }
   }
   return edges;
+}
+
+cv::Mat edges_by_direction(const cv::Mat& colour, const EdgeOptions& options) {
+  return EdgeFinder().edges_by_direction(colour, options);
 }
 
 }  // namespace sextant

@@ -15,9 +15,22 @@ namespace {
 
 void bm_edges(benchmark::State& state) {
   const RandomProblem p(3, 640, 480);
-  for (auto _ : state) benchmark::DoNotOptimize(edges_by_direction(p.frame().colour));
+  EdgeFinder finder;
+  for (auto _ : state) benchmark::DoNotOptimize(finder.edges_by_direction(p.frame().colour, kFrameEdges));
 }
 BENCHMARK(bm_edges)->Unit(benchmark::kMillisecond);
+
+/// The same from OpenCV's filters.
+void bm_edges_opencv(benchmark::State& state) {
+  const RandomProblem p(3, 640, 480);
+  cv::Mat edges;
+  for (auto _ : state) {
+    const Gradient gradient = strongest_gradient_plain(p.frame().colour);
+    cv::Canny(gradient.dx, gradient.dy, edges, 60, 120, true);
+    benchmark::DoNotOptimize(edges.data);
+  }
+}
+BENCHMARK(bm_edges_opencv)->Unit(benchmark::kMillisecond);
 
 void bm_tables(benchmark::State& state) {
   const RandomProblem p(3, 640, 480);

@@ -57,6 +57,44 @@ TEST(Edges, ColourAloneMakesAnEdge) {
   EXPECT_GT(cv::countNonZero(edges_by_direction(image)), 40);
 }
 
+/// Grey squares on grey, contrast 60 grey levels and more where gain is 1.
+cv::Mat squares(double gain) {
+  cv::Mat image(120, 120, CV_8UC3, cv::Scalar::all(100 * gain));
+  for (int y = 10; y < 100; y += 30) {
+    for (int x = 10; x < 100; x += 30) {
+      image(cv::Rect(x, y, 16, 16)).setTo(cv::Scalar::all((100 + (x + y) / 5 + 60) * gain));
+    }
+  }
+  return image;
+}
+
+TEST(Edges, FrameThresholdsFollowDarkAndBlurredPictures) {
+  const int bright = cv::countNonZero(edges_by_direction(squares(1), kFrameEdges));
+  EXPECT_GT(bright, 500);
+  // Dark: fixed thresholds lose nearly all, those of frames keep nearly all.
+  const cv::Mat dark = squares(0.18);
+  EXPECT_LT(cv::countNonZero(edges_by_direction(dark)), bright / 4);
+  EXPECT_GT(cv::countNonZero(edges_by_direction(dark, kFrameEdges)), bright * 9 / 10);
+  cv::Mat blurred;
+  cv::GaussianBlur(squares(0.6), blurred, {}, 2.5);
+  EXPECT_LT(cv::countNonZero(edges_by_direction(blurred)), bright / 4);
+  EXPECT_GT(cv::countNonZero(edges_by_direction(blurred, kFrameEdges)), bright * 3 / 4);
+}
+
+TEST(Edges, FrameThresholdsNeverRise) {
+  const cv::Mat image = squares(1.2);
+  cv::Mat missed;
+  cv::bitwise_and(edges_by_direction(image), ~edges_by_direction(image, kFrameEdges), missed);
+  EXPECT_EQ(cv::countNonZero(missed), 0);
+}
+
+TEST(Edges, FrameThresholdsStayAboveTheNoise) {
+  cv::Mat noise(120, 120, CV_8UC3);
+  cv::theRNG().state = 5;
+  cv::randn(noise, cv::Scalar::all(90), cv::Scalar::all(2.5));
+  EXPECT_LT(cv::countNonZero(edges_by_direction(noise, kFrameEdges)), 120 * 120 / 100);
+}
+
 TEST(Edges, FlatImagesHaveNone) {
   EXPECT_EQ(cv::countNonZero(edges_by_direction(cv::Mat(60, 60, CV_8UC3, cv::Scalar(9, 90, 200)))), 0);
 }
