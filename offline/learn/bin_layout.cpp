@@ -65,7 +65,7 @@ std::vector<RotationBox> lay_out_bins(const LearnParameters& p, int symmetry_deg
       }
     }
   }
-  const int rz_bins = symmetry_deg == 0 ? 1 : (symmetry_deg + p.bin_width_deg - 1) / p.bin_width_deg;
+  const int rz_bins = symmetry_deg == 0 ? 1 : (symmetry_deg + p.turn_width_deg - 1) / p.turn_width_deg;
   std::vector<RotationBox> boxes;
   for (const auto& [rx, ry] : cells) {
     for (int k = 0; k < rz_bins; ++k) {

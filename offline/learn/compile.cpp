@@ -29,14 +29,37 @@ std::uint64_t seed_of_bin(std::uint64_t seed, std::size_t bin) {
   return v ^ (v >> 31);
 }
 
-ViewpointBin learn_one(Renderer& renderer, int mesh, const StandingObject& object, const LearnParameters& p,
+/// What one worker renders with.
+struct Studio {
+  Renderer renderer;
+  Scenery scenery{renderer};
+  int mesh;
+  explicit Studio(const StandingObject& object) : mesh(renderer.upload(object.mesh)) {}
+};
+
+/// Half of the scenes show the object as claimed; the others share what else may be there.
+SceneTruth truth_of_scene(int index, bool has_sides) {
+  if (index % 2 == 0) return SceneTruth::kObject;
+  return index % 4 == 1 || !has_sides ? SceneTruth::kClutter : SceneTruth::kTurnedObject;
+}
+
+ViewpointBin learn_one(Studio& studio, const StandingObject& object, const LearnParameters& p,
                        const RotationBox& box, std::uint64_t seed) {
   RotationBox viewed = box;
-  if (box.hi_deg[2] - box.lo_deg[2] == 1) viewed.hi_deg[2] = 360;  // a round object may show any side
-  TrainingViews source(renderer, mesh, object.bounding_radius_m, p, viewed, seed);
+  const bool has_sides = box.hi_deg[2] - box.lo_deg[2] > 1;
+  if (!has_sides) viewed.hi_deg[2] = 360;  // a round object may show any side
+  TrainingViews source(studio.renderer, studio.scenery, studio.mesh, object.bounding_radius_m,
+                       object.centre_height_m, p, viewed, seed);
   std::vector<TrainingView> views;
   for (int i = 0; i < p.images_per_bin; ++i) views.push_back(source.next());
-  return learn_bin(views, p, box, object.bounding_radius_m);
+  SceneViews tests(studio.renderer, studio.scenery, studio.mesh, object.bounding_radius_m,
+                   object.centre_height_m, object.symmetry_deg, p, box, derived_seed(seed, 1));
+  std::vector<TestScene> scenes;
+  for (int i = 0; i < p.scenes_per_bin; ++i) {
+    const SceneTruth truth = truth_of_scene(i, has_sides);
+    scenes.push_back({truth, tests.next(truth)});
+  }
+  return learn_bin(views, scenes, p, box, object.bounding_radius_m);
 }
 
 }  // namespace
@@ -53,11 +76,10 @@ std::vector<ViewpointBin> learn_bins(const StandingObject& object, const LearnPa
   };
   // Worker w of n learns every nth of the bins asked for.
   const auto learn_share = [&](std::size_t worker, std::size_t workers, const auto& give) {
-    Renderer renderer;
-    const int mesh = renderer.upload(object.mesh);
+    Studio studio(object);
     for (std::size_t i = worker; i < total; i += workers) {
       const std::size_t bin = first + i * stride;
-      give(bin, learn_one(renderer, mesh, object, parameters, boxes[bin], seed_of_bin(parameters.seed, bin)));
+      give(bin, learn_one(studio, object, parameters, boxes[bin], seed_of_bin(parameters.seed, bin)));
     }
   };
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());

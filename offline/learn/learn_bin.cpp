@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <set>
 
+#include "offline/learn/learn_depth.h"
 #include "offline/learn/least_squares.h"
 #include "offline/learn/nearest_feature.h"
 #include "offline/learn/select_parts.h"
+#include "offline/learn/view_scale.h"
 #include "runtime/base/error.h"
 #include "runtime/search/lattice.h"
 
@@ -16,8 +18,11 @@ namespace {
 
 /// Share of the training views that must show a feature kind for its parts to be learnt.
 constexpr double kLeastSeen = 0.95;
-
-using Positions = std::vector<Eigen::Vector2d>;
+/// How often an edge is found where it should be, and by chance elsewhere, before anything was measured.
+constexpr float kFoundShare = 0.75F;
+constexpr float kFoundByChance = 0.15F;
+/// Spacing of select_parts at which a part weighs 1: a fifth of the object's radius.
+constexpr double kUsualSpacing = 0.1 * kLargestSpacing;
 
 /// Enumeration positions: a grid over the square of the bounding sphere, tangent * metre.
 Positions enumeration_grid(int side, double radius_m) {
@@ -29,27 +34,6 @@ Positions enumeration_grid(int side, double radius_m) {
   }
   return grid;
 }
-
-/// Maps between a view's pixels and tangent * metre around the object's centre.
-struct ViewScale {
-  const TrainingView& view;
-  double scale;  ///< pixels per (tangent * metre)
-
-  ViewScale(const TrainingView& v, double focal) : view(v), scale(focal / v.pose.z) {}
-  /// Pixel of the window, clamped to it.
-  cv::Point pixel(const Eigen::Vector2d& p) const {
-    const auto at = [&](double centre, double offset, int origin, int size) {
-      return std::clamp(static_cast<int>(std::floor(centre + scale * offset + 0.5)) - origin, 0, size - 1);
-    };
-    return {at(view.pose.x, p.x(), view.window.x, view.window.width),
-            at(view.pose.y, p.y(), view.window.y, view.window.height)};
-  }
-  Eigen::Vector2d position(int column, int row) const {
-    return {(column + view.window.x - view.pose.x) / scale, (row + view.window.y - view.pose.y) / scale};
-  }
-};
-
-Eigen::Vector3d rotation_of(const TrainingView& view) { return {view.pose.rx, view.pose.ry, view.pose.rz}; }
 
 /// Fits of all labels of one kind, and which labels were seen in every view.
 struct Enumeration {
@@ -65,12 +49,19 @@ Enumeration enumerate_visual(const std::vector<TrainingView>& views, const Posit
                              double focal, std::array<bool, 4> active) {
   Enumeration e(2 * grid.size(), active);
   std::vector<float> labels(2 * grid.size());
+  std::vector<cv::Point> pixels(grid.size());
   for (const TrainingView& view : views) {
     const ViewScale scale(view, focal);
-    const std::vector<NearestFeature> nearest = nearest_features(view.edges, kind);
-    if (nearest[0].column < 0) continue;
+    std::vector<bool> rows(static_cast<std::size_t>(view.window.height), false);
     for (std::size_t i = 0; i < grid.size(); ++i) {
-      const cv::Point at = scale.pixel(grid[i]);
+      pixels[i] = scale.pixel(grid[i]);
+      rows[static_cast<std::size_t>(pixels[i].y)] = true;
+    }
+    const std::vector<NearestFeature> nearest = nearest_features(view.edges, kind, rows);
+    const auto first = static_cast<std::size_t>(pixels[0].y * view.window.width + pixels[0].x);
+    if (nearest[first].column < 0) continue;
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      const cv::Point at = pixels[i];
       const NearestFeature f = nearest[static_cast<std::size_t>(at.y * view.window.width + at.x)];
       const Eigen::Vector2d p = scale.position(f.column, f.row);
       labels[2 * i] = static_cast<float>(p.x());
@@ -83,23 +74,6 @@ Enumeration enumerate_visual(const std::vector<TrainingView>& views, const Posit
   return e;
 }
 
-/// Depth relative to the centre's distance at every grid position.
-Enumeration enumerate_depth(const std::vector<TrainingView>& views, const Positions& grid, double focal,
-                            std::array<bool, 4> active) {
-  Enumeration e(grid.size(), active);
-  std::vector<float> labels(grid.size());
-  for (const TrainingView& view : views) {
-    const ViewScale scale(view, focal);
-    for (std::size_t i = 0; i < grid.size(); ++i) {
-      const float depth = view.ray_depth_m.at<float>(scale.pixel(grid[i]));
-      if (depth <= 0) e.complete[i] = false;
-      labels[i] = depth > 0 ? static_cast<float>(depth - view.pose.z) : 0.0F;
-    }
-    e.sums.add(rotation_of(view), labels);
-  }
-  return e;
-}
-
 Eigen::Vector4d centre_of(const RotationBox& box) {
   const auto middle = [&](std::size_t a) {
     return 0.5 * (box.lo_deg[a] + box.hi_deg[a] - 1) * kLatticeAngle;
@@ -107,17 +81,32 @@ Eigen::Vector4d centre_of(const RotationBox& box) {
   return {1, middle(0), middle(1), middle(2)};
 }
 
-std::array<float, 4> to_floats(const Eigen::Vector4d& v) {
-  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]),
-          static_cast<float>(v[3])};
+Eigen::Vector2d position_of(const VisualPart& part, const Eigen::Vector4d& rotation) {
+  const auto at = [&](const std::array<float, 4>& form) {
+    return Eigen::Vector4f(form[0], form[1], form[2], form[3]).cast<double>().dot(rotation);
+  };
+  return {at(part.u), at(part.v)};
 }
 
-std::vector<VisualPart> learn_visual(const std::vector<TrainingView>& views, const LearnParameters& p,
+/// Of candidates of one kind that predict the same place (within a pixel at 1 m) only the surest.
+void keep_distinct(std::vector<VisualPart>& parts, const Eigen::Vector4d& centre) {
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const VisualPart& a, const VisualPart& b) { return a.variance < b.variance; });
+  std::set<std::array<int, 3>> taken;
+  std::erase_if(parts, [&](const VisualPart& p) {
+    const Eigen::Vector2d at = position_of(p, centre) * kReferenceFocal;
+    const std::array<int, 3> cell{p.kind, static_cast<int>(std::floor(at.x())),
+                                  static_cast<int>(std::floor(at.y()))};
+    return !taken.insert(cell).second;
+  });
+}
+
+std::vector<VisualPart> learn_visual(const std::vector<TrainingView>& views,
+                                     const std::vector<TestScene>& scenes, const LearnParameters& p,
                                      const Positions& grid, const RotationBox& box,
                                      std::array<bool, 4> active, double spacing_unit) {
-  std::vector<PartCandidate> candidates;
+  const double limit = p.visual_max_variance_px2 / (kReferenceFocal * kReferenceFocal);
   std::vector<VisualPart> parts;
-  const Eigen::Vector4d centre = centre_of(box);
   for (int kind = 0; kind < kFeatureKinds; ++kind) {
     Enumeration e = enumerate_visual(views, grid, kind, p.camera.focal, active);
     if (!e.complete[0] || !e.sums.finish()) continue;
@@ -128,44 +117,29 @@ std::vector<VisualPart> learn_visual(const std::vector<TrainingView>& views, con
       part.kind = static_cast<std::uint8_t>(kind);
       part.u = to_floats(u.coefficients);
       part.v = to_floats(v.coefficients);
-      const double variance = (u.squared_error + v.squared_error) / e.sums.freedom();
-      part.variance = static_cast<float>(variance);
+      part.variance = static_cast<float>((u.squared_error + v.squared_error) / e.sums.freedom());
       part.radius = static_cast<float>(p.visual_radius_px / kReferenceFocal);
-      const Eigen::Vector2d at(u.coefficients.dot(centre), v.coefficients.dot(centre));
-      candidates.push_back({variance, at / spacing_unit, kind, parts.size()});
-      parts.push_back(part);
+      if (part.variance <= limit) parts.push_back(part);
     }
   }
-  const double limit = p.visual_max_variance_px2 / (kReferenceFocal * kReferenceFocal);
-  std::vector<VisualPart> chosen;
-  for (const PartCandidate& c :
-       select_parts(std::move(candidates), static_cast<std::size_t>(p.visual_parts), limit)) {
-    chosen.push_back(parts[c.index]);
-  }
-  return chosen;
-}
-
-std::vector<DepthPart> learn_depth(const std::vector<TrainingView>& views, const LearnParameters& p,
-                                   const Positions& grid, std::array<bool, 4> active, double spacing_unit) {
-  Enumeration e = enumerate_depth(views, grid, p.camera.focal, active);
-  if (!e.sums.finish()) return {};
+  const Eigen::Vector4d centre = centre_of(box);
+  keep_distinct(parts, centre);
   std::vector<PartCandidate> candidates;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    if (!e.complete[i]) continue;
-    candidates.push_back({e.sums.fit(i).squared_error / e.sums.freedom(), grid[i] / spacing_unit, 0, i});
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    candidates.push_back({parts[i].variance, position_of(parts[i], centre) / spacing_unit, parts[i].kind, i});
   }
-  std::vector<DepthPart> chosen;
-  for (const PartCandidate& c : select_parts(std::move(candidates), static_cast<std::size_t>(p.depth_parts),
-                                             p.depth_max_variance_m2)) {
-    DepthPart part;
-    part.px = static_cast<float>(grid[c.index].x());
-    part.py = static_cast<float>(grid[c.index].y());
-    part.d = to_floats(e.sums.fit(c.index).coefficients);
-    part.variance = static_cast<float>(c.variance);
-    part.radius = static_cast<float>(p.depth_radius_m);
-    part.missing = static_cast<float>(p.missing_depth_m);
-    chosen.push_back(part);
+  const ChosenParts picked =
+      select_parts(std::move(candidates), static_cast<std::size_t>(p.visual_parts), limit);
+  // Each part stands for the edge up to its neighbours.
+  const double weight = std::clamp((picked.spacing + 1) / kUsualSpacing, 0.05, 20.0);
+  std::vector<VisualPart> chosen;
+  for (const PartCandidate& c : picked.parts) {
+    chosen.push_back(parts[c.index]);
+    chosen.back().seen.found = kFoundShare;
+    chosen.back().seen.background = kFoundByChance;
+    chosen.back().seen.weight = static_cast<float>(weight);
   }
+  measure_parts(scenes, p.camera, chosen);
   return chosen;
 }
 
@@ -203,16 +177,16 @@ std::array<float, 4> mean_extent(const std::vector<TrainingView>& views, double 
 
 }  // namespace
 
-ViewpointBin learn_bin(const std::vector<TrainingView>& views, const LearnParameters& parameters,
-                       const RotationBox& box, double bounding_radius_m) {
+ViewpointBin learn_bin(const std::vector<TrainingView>& views, const std::vector<TestScene>& scenes,
+                       const LearnParameters& parameters, const RotationBox& box, double bounding_radius_m) {
   std::array<bool, 4> active{true, true, true, true};
   for (std::size_t a = 0; a < 3; ++a) active[a + 1] = box.hi_deg[a] - box.lo_deg[a] > 1;
   const Positions grid = enumeration_grid(parameters.grid, bounding_radius_m);
   const double spacing_unit = 2 * bounding_radius_m / kLargestSpacing;
   ViewpointBin bin;
   bin.box = box;
-  bin.visual = learn_visual(views, parameters, grid, box, active, spacing_unit);
-  bin.depth = learn_depth(views, parameters, grid, active, spacing_unit);
+  bin.visual = learn_visual(views, scenes, parameters, grid, box, active, spacing_unit);
+  bin.depth = learn_depth(views, scenes, parameters, grid, active, spacing_unit);
   bin.extent = mean_extent(views, parameters.camera.focal);
   return bin;
 }

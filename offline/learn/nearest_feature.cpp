@@ -30,7 +30,8 @@ std::vector<std::int16_t> nearest_in_column(const cv::Mat& edges, unsigned bit) 
 
 }  // namespace
 
-std::vector<NearestFeature> nearest_features(const cv::Mat& edges, int kind) {
+std::vector<NearestFeature> nearest_features(const cv::Mat& edges, int kind,
+                                             const std::vector<bool>& wanted) {
   const int w = edges.cols;
   const int h = edges.rows;
   const std::vector<std::int16_t> column_row = nearest_in_column(edges, 1U << static_cast<unsigned>(kind));
@@ -39,6 +40,7 @@ std::vector<NearestFeature> nearest_features(const cv::Mat& edges, int kind) {
   std::vector<int> apex(static_cast<std::size_t>(w));
   std::vector<double> from(static_cast<std::size_t>(w) + 1);
   for (int y = 0; y < h; ++y) {
+    if (!wanted.empty() && !wanted[static_cast<std::size_t>(y)]) continue;
     const std::int16_t* rows = column_row.data() + static_cast<std::ptrdiff_t>(y) * w;
     const auto height = [&](int x) { return static_cast<double>((rows[x] - y) * (rows[x] - y)); };
     int count = 0;

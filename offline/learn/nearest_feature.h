@@ -16,7 +16,9 @@ struct NearestFeature {
 };
 
 /// Row-major, one entry per pixel of `edges` (CV_8UC1, bit `kind` marks features). Exact. Of equally near
-/// features any one, but always the same.
-std::vector<NearestFeature> nearest_features(const cv::Mat& edges, int kind);
+/// features any one, but always the same. rows: where not empty, only rows marked in it (one per row of
+/// `edges`) are filled.
+std::vector<NearestFeature> nearest_features(const cv::Mat& edges, int kind,
+                                             const std::vector<bool>& rows = {});
 
 }  // namespace sextant

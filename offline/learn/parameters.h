@@ -15,16 +15,19 @@ namespace sextant {
 inline constexpr double kReferenceFocal = 525;
 
 struct LearnParameters {
-  int images_per_bin = 100;              ///< n: rendered training images, 10..10000
+  int images_per_bin = 60;               ///< n: rendered training images, 10..10000
   int visual_parts = 100;                ///< n_V, 0..1000
-  int depth_parts = 100;                 ///< n_D, 0..1000
+  int depth_parts = 150;                 ///< on the object and, with learn_table, beside it, 0..1000
+  int learn_table = 1;                   ///< 1: what is seen of the table beside the object becomes parts too
+  int scenes_per_bin = 24;               ///< scenes in which parts are put to the test; 0: none
   double visual_radius_px = 5;           ///< r_V: receptive field, pixels at 1 m
   double depth_radius_m = 0.02;          ///< r_D
   double missing_depth_m = 0.01;         ///< d0: difference assumed where depth is missing, <= r_D
   double visual_max_variance_px2 = 275;  ///< v_Vmax, pixels^2 at 1 m
   double depth_max_variance_m2 = 0.02;   ///< v_Dmax
-  int bin_width_deg = 20;                ///< r_w, 5..45
-  int grid = 96;                         ///< w: enumeration grid over the object's square, 16..512
+  int bin_width_deg = 20;                ///< r_w of rx and ry, 5..45
+  int turn_width_deg = 20;               ///< r_w of rz, 5..45
+  int grid = 64;                         ///< w: enumeration grid over the object's square, 16..512
   int edge_low = 60;                     ///< EdgeOptions::low
   int edge_high = 120;                   ///< EdgeOptions::high
   double ambient = 0.5;                  ///< share of ambient light, 0..1

@@ -26,7 +26,10 @@ std::vector<PartCandidate> select_greedily(const std::vector<PartCandidate>& sor
 
 /// Proc. 8: drops candidates above max_variance, sorts, and finds the largest whole d_min in 0..500 that
 /// still yields `wanted` parts; with fewer candidates than wanted, all that d_min = 0 yields.
-std::vector<PartCandidate> select_parts(std::vector<PartCandidate> candidates, std::size_t wanted,
-                                        double max_variance);
+struct ChosenParts {
+  std::vector<PartCandidate> parts;
+  int spacing = 0;  ///< the d_min that was used
+};
+ChosenParts select_parts(std::vector<PartCandidate> candidates, std::size_t wanted, double max_variance);
 
 }  // namespace sextant

@@ -89,6 +89,7 @@ struct Detector::Impl {
   std::vector<Refiner> refiners;  ///< one per model
   WorkerPool pool;
   Rectifier rectifier;
+  EdgeFinder edge_finder;
   FrameTables tables;
   LaneTables lane_tables;
   LaneSearch lane_search;
@@ -161,7 +162,7 @@ struct Detector::Impl {
 
     const auto start = Clock::now();
     const SearchFrame rectified = rectifier.rectified(frame);
-    const cv::Mat edges = edges_by_direction(rectified.colour);
+    const cv::Mat edges = edge_finder.edges_by_direction(rectified.colour, kFrameEdges);
     const std::optional<SearchedTable> table = table_for(frame, rectified);
     result.seconds.features = seconds_since(start);
     if (table) result.table = table->table;

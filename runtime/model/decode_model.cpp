@@ -19,8 +19,8 @@ namespace {
 constexpr const char* kDamaged = "copy the file again, or compile the mesh again with this version";
 constexpr const char* kNotOurs = "give a file that `sextant compile` of this version made";
 constexpr flatbuffers::uoffset_t kMaxDepth = 8;
-// A bin is three tables; model, mesh, provenance, marks and confidence five more.
-constexpr flatbuffers::uoffset_t kMaxTables = 3 * kMaxModelBins + 16;
+// A bin is five tables; model, mesh, provenance, marks and confidence five more.
+constexpr flatbuffers::uoffset_t kMaxTables = 5 * kMaxModelBins + 16;
 
 /// Believes the header as far as it can be checked without the payload.
 fbs::FileHeader read_header(std::span<const std::byte> bytes, const std::string& where) {
@@ -130,10 +130,11 @@ class Decoder {
     const auto radii = array(*from.radius(), n);
     const auto forms =
         decode_forms(*from.steps(), steps_array(*from.forms(), 8 * n), bin.box, kPositionRoundingLimit);
+    const auto seen = decode_statistics(*from.seen(), n);
     bin.visual.resize(n);
     for (std::size_t k = 0; k < n; ++k) {
-      bin.visual[k] = {kinds[k], forms[k], forms[n + k], from_log_code(variances[k]),
-                       from_log_code(radii[k])};
+      bin.visual[k] = {kinds[k], forms[k], forms[n + k], from_log_code(variances[k]), from_log_code(radii[k]),
+                       seen[k]};
     }
   }
 
@@ -149,11 +150,32 @@ class Decoder {
             "a step is not one that this format allows");
     const auto forms =
         decode_forms(*from.steps(), steps_array(*from.forms(), 4 * n), bin.box, kDepthRoundingLimit);
+    const auto seen = decode_statistics(*from.seen(), n);
+    const auto roles = array(*from.role(), n);
     bin.depth.resize(n);
     for (std::size_t k = 0; k < n; ++k) {
-      bin.depth[k] = {metres(positions[k], step),  metres(positions[n + k], step), forms[k],
-                      from_log_code(variances[k]), from_log_code(radii[k]),        from_log_code(missing[k])};
+      bin.depth[k] = {metres(positions[k], step),
+                      metres(positions[n + k], step),
+                      forms[k],
+                      from_log_code(variances[k]),
+                      from_log_code(radii[k]),
+                      from_log_code(missing[k]),
+                      seen[k],
+                      static_cast<DepthRole>(roles[k])};
     }
+  }
+
+  std::vector<PartStatistics> decode_statistics(const fbs::PartStatistics& from, std::size_t n) {
+    const auto spreads = array(*from.spread(), n);
+    const auto found = array(*from.found(), n);
+    const auto background = array(*from.background(), n);
+    const auto weights = array(*from.weight(), n);
+    std::vector<PartStatistics> seen(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      seen[k] = {from_log_code(spreads[k]), from_share_code(found[k]), from_share_code(background[k]),
+                 from_log_code(weights[k])};
+    }
+    return seen;
   }
 
   ModelMesh decode_mesh(const fbs::Mesh& from) {

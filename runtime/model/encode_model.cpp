@@ -49,6 +49,19 @@ fbs::FormSteps steps_of(const QuantisedForms& forms) {
   return {e(0), e(1), e(2), e(3)};
 }
 
+template <typename Part>
+Offset<fbs::PartStatistics> encode_statistics(FlatBufferBuilder& to, const std::vector<Part>& parts) {
+  const auto spreads =
+      column<Part, std::uint16_t>(parts, [](const Part& p) { return log_code(p.seen.spread); });
+  const auto found =
+      column<Part, std::uint8_t>(parts, [](const Part& p) { return share_code(p.seen.found); });
+  const auto background =
+      column<Part, std::uint8_t>(parts, [](const Part& p) { return share_code(p.seen.background); });
+  const auto weights =
+      column<Part, std::uint16_t>(parts, [](const Part& p) { return log_code(p.seen.weight); });
+  return fbs::CreatePartStatisticsDirect(to, &spreads, &found, &background, &weights);
+}
+
 Offset<fbs::VisualParts> encode_visual(FlatBufferBuilder& to, const ObjectModel& model,
                                        const ViewpointBin& bin) {
   const auto& parts = bin.visual;
@@ -65,7 +78,8 @@ Offset<fbs::VisualParts> encode_visual(FlatBufferBuilder& to, const ObjectModel&
   const auto radii =
       column<VisualPart, std::uint16_t>(parts, [](const VisualPart& p) { return log_code(p.radius); });
   const fbs::FormSteps steps = steps_of(stored);
-  return fbs::CreateVisualPartsDirect(to, &steps, &kinds, &stored.planes, &variances, &radii);
+  const auto seen = encode_statistics(to, parts);
+  return fbs::CreateVisualPartsDirect(to, &steps, &kinds, &stored.planes, &variances, &radii, seen);
 }
 
 Offset<fbs::DepthParts> encode_depth(FlatBufferBuilder& to, const ObjectModel& model,
@@ -96,9 +110,12 @@ Offset<fbs::DepthParts> encode_depth(FlatBufferBuilder& to, const ObjectModel& m
       column<DepthPart, std::uint16_t>(parts, [](const DepthPart& p) { return log_code(p.radius); });
   const auto missing =
       column<DepthPart, std::uint16_t>(parts, [](const DepthPart& p) { return log_code(p.missing); });
+  const auto roles = column<DepthPart, std::uint8_t>(
+      parts, [](const DepthPart& p) { return static_cast<std::uint8_t>(p.role); });
   const fbs::FormSteps steps = steps_of(stored);
+  const auto seen = encode_statistics(to, parts);
   return fbs::CreateDepthPartsDirect(to, static_cast<std::int8_t>(position_step), &positions, &steps,
-                                     &stored.planes, &variances, &radii, &missing);
+                                     &stored.planes, &variances, &radii, &missing, seen, &roles);
 }
 
 Offset<fbs::Bin> encode_bin(FlatBufferBuilder& to, const ObjectModel& model, const ViewpointBin& bin) {

@@ -73,6 +73,14 @@ void check_head(const Checker& check, const ObjectModel& model) {
       "object_from_mesh is not a rotation");
 }
 
+void check_statistics(const Checker& check, const PartStatistics& seen) {
+  check.require(seen.spread == 0 || is_positive_log_code(seen.spread),
+                "a part's spread is not a sane number");
+  check.require(within(seen.found, 1e-3, 0.999) && within(seen.background, 1e-3, 0.999),
+                "a share of found parts is not within 0..1");
+  check.require(within(seen.weight, 1e-3, 1e3), "a part's weight is not within 0.001..1000");
+}
+
 void check_bin(const Checker& check, const ViewpointBin& bin) {
   for (std::size_t i = 0; i < 3; ++i) {
     check.require(
@@ -94,6 +102,7 @@ void check_bin(const Checker& check, const ViewpointBin& bin) {
     check.require(is_positive_log_code(part.variance),
                   "a visual part's variance is not a sane positive number");
     check.require(is_positive_log_code(part.radius), "a visual part's radius is not a sane positive number");
+    check_statistics(check, part.seen);
   }
   for (const DepthPart& part : bin.depth) {
     check.require(within(part.px, -kMaxCoefficient, kMaxCoefficient) &&
@@ -104,6 +113,8 @@ void check_bin(const Checker& check, const ViewpointBin& bin) {
     check.require(is_positive_log_code(part.radius), "a depth part's radius is not a sane positive number");
     check.require(part.missing == 0 || (is_positive_log_code(part.missing) && part.missing <= part.radius),
                   "a depth part's difference for missing depth is not within 0..radius");
+    check_statistics(check, part.seen);
+    check.require(part.role <= DepthRole::kTable, "a depth part's role is not 0..2");
   }
 }
 

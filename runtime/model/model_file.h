@@ -13,7 +13,7 @@
 namespace sextant {
 
 /// Format version that this program writes, and the only one that it reads.
-inline constexpr std::uint32_t kModelFormatVersion = 2;
+inline constexpr std::uint32_t kModelFormatVersion = 3;
 
 /// Larger files are not models.
 inline constexpr std::size_t kMaxModelFileBytes = std::size_t{64} << 20;

@@ -15,6 +15,18 @@
 
 namespace sextant {
 
+/// What a sensor makes of a part in synthesised scenes (offline/learn/part_statistics.h). A part is "found"
+/// where the feature lies within kFoundSigmas * sqrt(spread) of where it is expected.
+struct PartStatistics {
+  float spread = 0;           ///< variance of the found ones, noise of the sensor included; 0: not measured
+  float found = 0.75F;        ///< how often it is found on the object, 0..1 exclusive
+  float background = 0.125F;  ///< how often it is found by chance at a wrong pose, 0..1 exclusive
+  /// The length of edge or the area that it stands for, in units of the model's mean. Bins have equal numbers
+  /// of parts however much of the object they show; this makes their evidence comparable.
+  float weight = 1;
+};
+inline constexpr double kFoundSigmas = 2.5;
+
 /// A part that expects an edge of one direction near a position (eqs. 3.3-3.5).
 /// Expected pixel: (x, y) + focal / z * (c[0] + c[1] rx + c[2] ry + c[3] rz), rows for u and v.
 struct VisualPart {
@@ -23,6 +35,16 @@ struct VisualPart {
   std::array<float, 4> v{};  ///< b, d, f, h
   float variance = 0;        ///< (tangent * metre)^2
   float radius = 0;          ///< receptive field r, tangent * metre
+  PartStatistics seen;       ///< spread per axis, (tangent * metre)^2
+};
+
+/// What a depth part expects to see.
+enum class DepthRole : std::uint8_t {
+  kObject,  ///< the object, from every pose of the bin
+  kRim,     ///< the object from most poses of the bin, else what is behind it
+  /// The table beside or behind the object: says where the object ends, and holds it upright and at its
+  /// height.
+  kTable,
 };
 
 /// A part that expects a depth at a fixed position (eqs. 3.6-3.8).
@@ -33,6 +55,8 @@ struct DepthPart {
   float variance = 0;        ///< m^2
   float radius = 0;          ///< r, metres
   float missing = 0;         ///< d0: difference assumed where depth is missing, metres, <= radius
+  PartStatistics seen;       ///< spread in m^2
+  DepthRole role = DepthRole::kObject;
 };
 
 /// Half-open box of rotations in whole degrees: lo <= angle < hi for rx, ry, rz.

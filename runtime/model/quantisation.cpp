@@ -121,4 +121,10 @@ float from_log_code(std::uint16_t code) {
   return static_cast<float>(std::exp2((code - 1) / kLogCodesPerOctave - 48));
 }
 
+std::uint8_t share_code(float share) {
+  return static_cast<std::uint8_t>(std::clamp(std::round(share * 255), 1.0F, 254.0F));
+}
+
+float from_share_code(std::uint8_t code) { return static_cast<float>(code) / 255; }
+
 }  // namespace sextant

@@ -66,4 +66,8 @@ inline constexpr double kLogCodeMax = 0x1p15;
 std::uint16_t log_code(float value);
 float from_log_code(std::uint16_t code);
 
+/// ShareCode: shares in steps of 1/255, never quite 0 or 1 (codes 1..254).
+std::uint8_t share_code(float share);
+float from_share_code(std::uint8_t code);
+
 }  // namespace sextant

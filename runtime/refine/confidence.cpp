@@ -44,7 +44,8 @@ double confidence(const ConfidenceModel& model, const ConfidenceFeatures& featur
 }
 
 double threshold_for_false_positive_rate(const ConfidenceModel& model, double rate) {
-  if (!model.calibrated || rate >= 1) return 0;
+  if (rate >= 1) return 0;
+  if (!model.calibrated) return kLeastGeneralConfidence;
   // Of n images at most k may exceed the threshold; one more is counted for the image to come, so that the
   // promise also holds on average for new ones (split conformal prediction, Vovk et al. 2005).
   const double allowed = std::floor(rate * (model.images + 1)) - 1;

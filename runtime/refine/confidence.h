@@ -24,10 +24,13 @@ double confidence(const ConfidenceModel& model, const ConfidenceFeatures& featur
 /// Weights set by hand, for models that were not calibrated themselves: an ordering, not yet a probability.
 const std::array<float, kConfidenceFeatures + 1>& general_confidence_weights();
 
+/// What an answer of a model that was not calibrated must reach: below it none was right (docs/SCORING.md).
+inline constexpr double kLeastGeneralConfidence = 0.05;
+
 /// The confidence that a detection must reach so that at most this share (0..1) of images shows a false one:
-/// exceeded on fewer than rate * (images + 1) of the calibration's images. 0 (all pass) where the model is
-/// not calibrated or the rate is 1; above 1 (none passes) where the calibration saw too few images to promise
-/// so low a rate.
+/// exceeded on fewer than rate * (images + 1) of the calibration's images. 0 (all pass) where the rate is 1;
+/// kLeastGeneralConfidence where the model is not calibrated; above 1 (none passes) where the calibration saw
+/// too few images to promise so low a rate.
 double threshold_for_false_positive_rate(const ConfidenceModel& model, double rate);
 
 }  // namespace sextant

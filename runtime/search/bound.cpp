@@ -41,11 +41,14 @@ float lowest_visual_cost(const VisualParts& parts, std::size_t i, const FloatReg
                          const FrameTables& tables) {
   const FloatRange u = linear(parts.u[0][i], parts.u[1][i], parts.u[2][i], parts.u[3][i], r.rx, r.ry, r.rz);
   const FloatRange v = linear(parts.v[0][i], parts.v[1][i], parts.v[2][i], parts.v[3][i], r.rx, r.ry, r.rz);
-  const Window w = window_of(table_index(r.x, r.scale, u, tables.width()),
-                             table_index(r.y, r.scale, v, tables.height()), tables.stride());
+  const IndexRange columns = table_index(r.x, r.scale, u, tables.width());
+  const IndexRange rows = table_index(r.y, r.scale, v, tables.height());
+  const Window w = window_of(columns, rows, tables.stride());
   if (w.level >= kLevels) return 0;
   const auto distance2 = static_cast<float>(tables.distance2(parts.kind[i], w.level)[w.index]);
-  return std::min(distance2 * r.unit2, parts.radius2[i]) * parts.weight[i];
+  const float cost = std::min(distance2 * r.unit2, parts.radius2[i]) * parts.weight[i];
+  const bool outside = is_outside(columns.lo, rows.lo, tables) || is_outside(columns.hi, rows.hi, tables);
+  return outside ? std::min(cost, parts.outside_cost[i]) : cost;
 }
 
 float lowest_depth_cost(const DepthParts& parts, std::size_t i, const FloatRegion& r,
@@ -62,8 +65,11 @@ float lowest_depth_cost(const DepthParts& parts, std::size_t i, const FloatRegio
   const FloatRange expected{r.z.lo + offset.lo, r.z.hi + offset.hi};
   const float near_m = static_cast<float>(nearest) * FrameTables::kDepthUnit;
   const float far_m = static_cast<float>(tables.farthest_depth(w.level)[w.index]) * FrameTables::kDepthUnit;
-  const float gap = std::max(0.0F, std::max(near_m - expected.hi, expected.lo - far_m));
-  const float cost = std::min(gap * gap, parts.radius2[i]) * parts.weight[i];
+  const float behind = near_m - expected.hi;
+  const float before = expected.lo - far_m;
+  const float gap = std::max(0.0F, std::max(behind, before));
+  const float cost =
+      std::min(gap * gap, before > 0 ? parts.near_radius2[i] : parts.radius2[i]) * parts.weight[i];
   return tables.any_missing(w.level)[w.index] ? std::min(cost, parts.missing_cost[i]) : cost;
 }
 

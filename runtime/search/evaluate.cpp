@@ -25,6 +25,10 @@ double evaluate(const ScoredBin& bin, const FrameTables& tables, const LatticePo
     const float v = linear(visual.v[0][i], visual.v[1][i], visual.v[2][i], visual.v[3][i], rx, ry, rz);
     const int column = table_index(x + scale * u, tables.width());
     const int row = table_index(y + scale * v, tables.height());
+    if (is_outside(column, row, tables)) {
+      cost += static_cast<double>(visual.outside_cost[i]);
+      continue;
+    }
     const auto distance2 = static_cast<float>(tables.distance2(visual.kind[i], 0)[row * stride + column]);
     cost += static_cast<double>(std::min(distance2 * unit2, visual.radius2[i]) * visual.weight[i]);
   }
@@ -41,7 +45,8 @@ double evaluate(const ScoredBin& bin, const FrameTables& tables, const LatticePo
     }
     const float expected = z + linear(depth.d[0][i], depth.d[1][i], depth.d[2][i], depth.d[3][i], rx, ry, rz);
     const float difference = static_cast<float>(steps) * FrameTables::kDepthUnit - expected;
-    cost += static_cast<double>(std::min(difference * difference, depth.radius2[i]) * depth.weight[i]);
+    const float radius2 = difference < 0 ? depth.near_radius2[i] : depth.radius2[i];
+    cost += static_cast<double>(std::min(difference * difference, radius2) * depth.weight[i]);
   }
   return bin.offset - cost;
 }

@@ -36,6 +36,10 @@ inline FloatRange linear(float c0, float c1, float c2, float c3, FloatRange rx, 
 inline int table_index(float pixel, int limit) {
   return static_cast<int>(std::min(std::max(pixel + 0.5F, -1.0F), static_cast<float>(limit)) + 1.0F);
 }
+/// Whether table indices are those of the border that stands for everything outside of the image.
+inline bool is_outside(int column, int row, const FrameTables& tables) {
+  return column == 0 || row == 0 || column > tables.width() || row > tables.height();
+}
 struct IndexRange {
   int lo = 0;
   int hi = 0;

@@ -3,22 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "runtime/base/error.h"
+#include "runtime/search/part_likelihood.h"
 
 namespace sextant {
 namespace {
 
-// Floors that keep a rendered part's variance from claiming more than a sensor can show: 4 mm of depth noise
-// and warp, 1.2 px (at 1 m, f = 525) of edge localisation and colour-depth misregistration.
+// Where nothing was measured: floors that keep a rendered part's variance from claiming more than a sensor
+// can show (4 mm of depth noise and warp, 1.2 px at 1 m and f = 525 of edges), and plain shares.
 constexpr double kDepthFloor = 0.004;
 constexpr double kEdgeFloor = 1.2 / 525;
-// Share of a part's features that the sensor finds where they should be.
-constexpr double kFoundShare = 0.75;
-// Background: depth is anywhere within half a metre; edges of one direction are found at this density.
-constexpr double kBackgroundDepthSpan = 0.5;                      // metres
-constexpr double kBackgroundEdgeDensity = 0.008 * 525.0 * 525.0;  // per (tangent * metre)^2 at 1 m
 
 /// What one part contributes: gain where it fits perfectly, radius at which it stops mattering.
 struct PartTerms {
@@ -26,36 +21,44 @@ struct PartTerms {
   double variance = 0;
   double radius2 = 0;
   double missing = 0;  ///< cost of a missing observation
+  double scale = 1;
+  double near_radius2 = 0;  ///< radius2 of depth nearer than expected
 };
 
-/// log(p_object / p_background) of a Gaussian in-state against the out-state: gain - min(d^2, r^2) / (2 v),
-/// where the clip is what an absent feature says: log(1 - found share).
-PartTerms likelihood_terms(double variance, double peak_ratio) {
+PartTerms likelihood_terms(const PartStatistics& seen, double spread, int dimensions, double scale,
+                           double occluder_share) {
+  const PartLikelihood likelihood = likelihood_of(seen, dimensions);
   PartTerms t;
-  t.variance = variance;
-  t.gain = std::max(0.05, std::log(1 - kFoundShare + kFoundShare * peak_ratio));
-  const double out = std::log(1 - kFoundShare);
-  t.radius2 = 2 * variance * (t.gain - out);
-  t.missing = t.gain;
+  t.variance = spread;
+  t.gain = likelihood.gain;
+  t.radius2 = 2 * spread * (likelihood.gain - likelihood.out);
+  t.near_radius2 = 2 * spread * (likelihood.gain - occluder_share * likelihood.out);
+  t.missing = scale * t.gain;
+  t.scale = scale;
   return t;
 }
 
-PartTerms visual_terms(const VisualPart& part, Scoring scoring) {
-  if (scoring == Scoring::kThesis) {
+PartTerms visual_terms(const VisualPart& part, const ScoringOptions& options) {
+  if (options.scoring == Scoring::kThesis) {
     return {0, part.variance, static_cast<double>(part.radius) * part.radius, 0};
   }
-  const double v = static_cast<double>(part.variance) / 2 + kEdgeFloor * kEdgeFloor;  // per axis
-  return likelihood_terms(v, 1 / (2 * std::numbers::pi * v * kBackgroundEdgeDensity));
+  const double unmeasured = static_cast<double>(part.variance) / 2 + kEdgeFloor * kEdgeFloor;
+  return likelihood_terms(part.seen, part.seen.spread > 0 ? part.seen.spread : unmeasured, 2,
+                          options.visual_scale * static_cast<double>(part.seen.weight), 1);
 }
 
-PartTerms depth_terms(const DepthPart& part, Scoring scoring) {
+PartTerms depth_terms(const DepthPart& part, const ScoringOptions& options) {
   const double variance = part.variance;
-  if (scoring == Scoring::kThesis) {
-    return {0, variance, static_cast<double>(part.radius) * part.radius,
-            static_cast<double>(part.missing) * part.missing / (2 * variance)};
+  if (options.scoring == Scoring::kThesis) {
+    const double radius2 = static_cast<double>(part.radius) * part.radius;
+    const double missing = static_cast<double>(part.missing) * part.missing / (2 * variance);
+    return {0, variance, radius2, missing, 1, radius2};
   }
-  const double v = variance + kDepthFloor * kDepthFloor;
-  return likelihood_terms(v, kBackgroundDepthSpan / std::sqrt(2 * std::numbers::pi * v));
+  const double unmeasured = variance + kDepthFloor * kDepthFloor;
+  return likelihood_terms(part.seen, part.seen.spread > 0 ? part.seen.spread : unmeasured, 1,
+                          (part.role == DepthRole::kTable ? options.table_scale : options.depth_scale) *
+                              static_cast<double>(part.seen.weight),
+                          options.occluder_share);
 }
 
 /// Mean over the parts of |coefficient of angle a| / radius.
@@ -81,35 +84,40 @@ double mean_radius(const std::vector<float>& radius2) {
   return radius2.empty() ? 0 : sum / static_cast<double>(radius2.size());
 }
 
-ScoredBin score_bin(const ViewpointBin& bin, Scoring scoring) {
+ScoredBin score_bin(const ViewpointBin& bin, const ScoringOptions& options) {
   ScoredBin out;
   out.box = bin.box;
   out.extent = bin.extent;
   for (const VisualPart& part : bin.visual) {
-    const PartTerms t = visual_terms(part, scoring);
+    const PartTerms t = visual_terms(part, options);
     out.visual.kind.push_back(part.kind);
     for (std::size_t i = 0; i < 4; ++i) {
       out.visual.u[i].push_back(part.u[i]);
       out.visual.v[i].push_back(part.v[i]);
     }
     out.visual.radius2.push_back(static_cast<float>(t.radius2));
-    out.visual.weight.push_back(static_cast<float>(0.5 / t.variance));
-    out.offset += t.gain;
-    out.worst += t.gain - t.radius2 / (2 * t.variance);
+    out.visual.weight.push_back(static_cast<float>(0.5 * t.scale / t.variance));
+    const float miss = out.visual.radius2.back() * out.visual.weight.back();
+    const bool unknown = options.outside_is_unknown && options.scoring == Scoring::kLikelihood;
+    out.visual.outside_cost.push_back(unknown ? std::min(miss, static_cast<float>(t.missing)) : miss);
+    out.offset += t.scale * t.gain;
+    out.worst += t.scale * (t.gain - t.radius2 / (2 * t.variance));
     out.largest_visual_radius = std::max(out.largest_visual_radius, static_cast<float>(std::sqrt(t.radius2)));
   }
   for (const DepthPart& part : bin.depth) {
-    const PartTerms t = depth_terms(part, scoring);
+    if (options.scoring == Scoring::kThesis && part.role != DepthRole::kObject) continue;
+    const PartTerms t = depth_terms(part, options);
     out.depth.px.push_back(part.px);
     out.depth.py.push_back(part.py);
     for (std::size_t i = 0; i < 4; ++i) out.depth.d[i].push_back(part.d[i]);
     out.depth.radius2.push_back(static_cast<float>(t.radius2));
-    out.depth.weight.push_back(static_cast<float>(0.5 / t.variance));
+    out.depth.near_radius2.push_back(static_cast<float>(t.near_radius2));
+    out.depth.weight.push_back(static_cast<float>(0.5 * t.scale / t.variance));
     out.depth.missing_cost.push_back(static_cast<float>(t.missing));
-    out.offset += t.gain;
-    out.worst += t.gain - std::max(t.radius2 / (2 * t.variance), t.missing);
+    out.offset += t.scale * t.gain;
+    out.worst += t.scale * t.gain - std::max(t.scale * t.radius2 / (2 * t.variance), t.missing);
   }
-  out.zero = scoring == Scoring::kThesis ? out.worst : 0;
+  out.zero = options.scoring == Scoring::kThesis ? out.worst : 0;
   out.visual_effect = mean_effect(out.visual, {&out.visual.u, &out.visual.v});
   out.depth_effect = mean_effect(out.depth, {&out.depth.d});
   out.mean_visual_radius = mean_radius(out.visual.radius2);
@@ -131,16 +139,16 @@ double evidence_share(const ScoredBin& bin, double score) {
 }
 
 double default_threshold(const std::vector<ScoredBin>& bins) {
-  constexpr double kShare = 0.35;
+  constexpr double kShare = 0.15;
   double sum = 0;
   for (const ScoredBin& bin : bins) sum += bin.zero + kShare * (bin.offset - bin.zero);
   return bins.empty() ? 0 : sum / static_cast<double>(bins.size());
 }
 
-std::vector<ScoredBin> score_bins(const ObjectModel& model, Scoring scoring) {
+std::vector<ScoredBin> score_bins(const ObjectModel& model, const ScoringOptions& options) {
   std::vector<ScoredBin> bins;
   bins.reserve(model.bins.size());
-  for (const ViewpointBin& bin : model.bins) bins.push_back(score_bin(bin, scoring));
+  for (const ViewpointBin& bin : model.bins) bins.push_back(score_bin(bin, options));
   return bins;
 }
 

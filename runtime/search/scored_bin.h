@@ -22,6 +22,24 @@ enum class Scoring : std::uint8_t { kThesis, kLikelihood };
 /// "thesis" or "likelihood"; throws UsageError otherwise.
 Scoring scoring_from_name(const std::string& name);
 
+/// How parts are turned into costs.
+struct ScoringOptions {
+  Scoring scoring = Scoring::kLikelihood;
+  // Parts of one kind err together (a warp of the depth, a shadow's edge), so that their evidence does not
+  // simply add up: each kind's likelihood ratios are multiplied by its scale, 0..10.
+  double visual_scale = 1;
+  double depth_scale = 1;
+  double table_scale = 2;
+  /// Edges that fall outside of the image say nothing, as depth there does; false: they count as misses.
+  bool outside_is_unknown = true;
+  /// Depth nearer than expected may be something in front of the object: it says this share, 0..1, of what
+  /// depth that is farther says, which the object cannot explain.
+  double occluder_share = 0.5;
+
+  ScoringOptions() = default;
+  ScoringOptions(Scoring s) : scoring(s) {}  // NOLINT(google-explicit-constructor): a scoring and defaults
+};
+
 /// Structure of arrays over the visual parts of a bin.
 struct VisualParts {
   std::vector<std::uint8_t> kind;
@@ -29,6 +47,8 @@ struct VisualParts {
   std::array<std::vector<float>, 4> v;
   std::vector<float> radius2;  ///< (tangent * metre)^2
   std::vector<float> weight;   ///< 1 / (2 variance)
+  /// Cost where the part falls outside of the image: radius2 * weight (a miss), or less (nobody knows).
+  std::vector<float> outside_cost;
   std::size_t size() const { return kind.size(); }
 };
 
@@ -38,7 +58,9 @@ struct DepthParts {
   std::array<std::vector<float>, 4> d;  ///< coefficients of 1, rx, ry, rz; metres
   std::vector<float> radius2;           ///< m^2
   std::vector<float> weight;            ///< 1 / (2 variance)
-  std::vector<float> missing_cost;      ///< cost where depth is missing
+  /// The same where the depth is nearer than expected, <= radius2.
+  std::vector<float> near_radius2;
+  std::vector<float> missing_cost;  ///< cost where depth is missing
   std::size_t size() const { return px.size(); }
 };
 
@@ -66,6 +88,6 @@ double evidence_share(const ScoredBin& bin, double score);
 /// The threshold used where the user gives none: this share of the evidence of the average bin.
 double default_threshold(const std::vector<ScoredBin>& bins);
 
-std::vector<ScoredBin> score_bins(const ObjectModel& model, Scoring scoring);
+std::vector<ScoredBin> score_bins(const ObjectModel& model, const ScoringOptions& options);
 
 }  // namespace sextant

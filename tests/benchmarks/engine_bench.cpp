@@ -68,6 +68,7 @@ int run(const std::vector<std::string>& arg) {
   FrameTables tables;
   LaneTables lanes;
   LaneSearch search;
+  EdgeFinder edge_finder;
   Series features_ms, exact_ms, lanes_ms, search_ms, search_cpu_ms, nodes, fine, roots, parts, evaluations;
   int found = 0;
   for (const BopImage& image : set.images) {
@@ -80,7 +81,7 @@ int run(const std::vector<std::string>& arg) {
     for (int r = 0; r < repeats; ++r) {
       double t = wall_seconds();
       const SearchFrame rectified = sextant::rectified(frame);
-      const cv::Mat edges = edges_by_direction(rectified.colour);
+      const cv::Mat edges = edge_finder.edges_by_direction(rectified.colour, kFrameEdges);
       best_features = std::min(best_features, wall_seconds() - t);
       const Constraint constraint(rectified.camera, 0.35, 3.0, standing);
       const int clip = std::clamp(static_cast<int>(std::ceil(radius * rectified.camera.focal /

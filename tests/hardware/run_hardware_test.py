@@ -65,7 +65,7 @@ def is_right_pose(frames, sextant, build):
     if not model.exists():
         # A coarse model of the views that the sample has: quick to learn, good enough to find the box.
         (frames / "learning.yaml").write_text("{min_pitch_deg: 38, max_pitch_deg: 40, max_roll_deg: 0, "
-                                              "angle_tolerance_deg: 3, images_per_bin: 30, grid: 40}\n")
+                                              "angle_tolerance_deg: 3, images_per_bin: 24, scenes_per_bin: 12, grid: 40}\n")
         subprocess.run([sextant, "compile", str(HERE.parents[1] / "data/meshes/printed_box.obj"), "--units", "mm", "--up", "z",
                         "--object-id", "1", "--params", str(frames / "learning.yaml"), "-o", str(model)], check=True,
                        stdout=subprocess.DEVNULL)

@@ -16,6 +16,7 @@ max_pitch_deg: 40
 max_roll_deg: 0
 angle_tolerance_deg: 2
 images_per_bin: 10
+scenes_per_bin: 4
 grid: 32
 bin_width_deg: 40
 camera_width: 160

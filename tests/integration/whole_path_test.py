@@ -17,7 +17,8 @@ PARAMETERS = """min_pitch_deg: 40
 max_pitch_deg: 42
 max_roll_deg: 0
 angle_tolerance_deg: 3
-images_per_bin: 30
+images_per_bin: 24
+scenes_per_bin: 12
 grid: 40
 """
 failures = []
@@ -58,17 +59,20 @@ def main_job(folder):
         "--params", parameters, "-o", model)
     csv_file, overlay = folder / "poses.csv", folder / "overlay"
     done = run(BIN / "sextant", "detect", model, "--dataset", SAMPLE, "--csv", csv_file, "--overlay", overlay,
-               "--angle-tolerance-deg", 4, "--json", "--require")
+               "--angle-tolerance-deg", 4, "--json")
     truth = ground_truth()
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     check(len(lines) == len(truth), "one JSON line per image")
     for line in lines:
         check(set(line) >= {"scene_id", "im_id", "seconds", "nodes", "objects", "detections"}, "JSON keys")
-        check(line["detections"][0]["status"] == "optimal", "a completed search is optimal")
-        check(line["detections"][0]["gap"] == 0, "an optimal answer has no gap")
-        check(line["objects"][0]["upper_bound"] <= line["detections"][0]["log_score"], "bound of the rest")
+        outcome = line["objects"][0]
+        check(len(line["detections"]) + outcome["doubtful"] == 1, "an answer is given or withheld as doubtful")
+        for found in line["detections"]:
+            check(found["status"] == "optimal", "a completed search is optimal")
+            check(found["gap"] == 0, "an optimal answer has no gap")
+            check(outcome["upper_bound"] <= found["log_score"], "bound of the rest")
     rows = list(csv.DictReader(csv_file.open()))
-    check(len(rows) == len(truth), "one row per image")
+    check(len(rows) == sum(len(line["detections"]) for line in lines), "one row per answer")
     right = 0
     for row in rows:
         rotation, translation = ([float(v) for v in row[k].split()] for k in ("R", "t"))

@@ -21,7 +21,7 @@ SECONDS = float(sys.argv[3]) if len(sys.argv) > 3 else 900.0
 RATE_HZ, MAX_AGE_MS = 30, 500
 GROWTH_KIB = 3072  # allocators settle; a leak of one frame's result per second would show
 # A coarse model of the views that the sample has.
-LEARNING = "min_pitch_deg: 40\nmax_pitch_deg: 42\nmax_roll_deg: 0\nangle_tolerance_deg: 3\nimages_per_bin: 30\ngrid: 40\n"
+LEARNING = "min_pitch_deg: 40\nmax_pitch_deg: 42\nmax_roll_deg: 0\nangle_tolerance_deg: 3\nimages_per_bin: 24\nscenes_per_bin: 12\ngrid: 40\n"
 failures = []
 
 

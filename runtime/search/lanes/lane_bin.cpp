@@ -58,6 +58,8 @@ LaneBin lane_bin(const ScoredBin& bin, double floor) {
     const double weight = static_cast<double>(visual.weight[i]) * s;
     block.radius[at] = static_cast<float>(std::sqrt(static_cast<double>(visual.radius2[i])) * (1 + 1e-6));
     block.most[at] = units16(std::floor(static_cast<double>(visual.radius2[i]) * weight * (1 - 1e-6)));
+    block.outside[at] = std::min(
+        block.most[at], units16(std::floor(static_cast<double>(visual.outside_cost[i]) * s * (1 - 1e-6))));
   }
 
   const DepthParts& depth = bin.depth;
@@ -81,6 +83,8 @@ LaneBin lane_bin(const ScoredBin& bin, double floor) {
     const double reach =
         std::min(std::floor(std::sqrt(static_cast<double>(depth.radius2[i])) / step), 65535.0);
     block.reach[at] = units16(reach);
+    block.near_reach[at] =
+        units16(std::min(reach, std::floor(std::sqrt(static_cast<double>(depth.near_radius2[i])) / step)));
     block.gain[at] = reach > 0 ? units16(std::floor(65535 / reach)) : std::uint16_t{0};
     block.most[at] = units16(std::floor(reach * step * reach * step * weight * (1 - 1e-6)));
     block.missing[at] = units16(std::floor(static_cast<double>(depth.missing_cost[i]) * s * (1 - 1e-6)));

@@ -19,6 +19,7 @@ struct VisualBlock {
   alignas(64) std::array<std::int32_t, kPartBlock> kind{};
   alignas(64) std::array<float, kPartBlock> radius{};  ///< receptive field, tangent * metre
   std::array<std::uint16_t, kPartBlock> most{};        ///< cost at the radius and beyond, units
+  std::array<std::uint16_t, kPartBlock> outside{};     ///< cost outside of the image, units, <= most
 };
 
 /// 16 depth parts.
@@ -27,9 +28,10 @@ struct DepthBlock {
   alignas(
       64) std::array<std::array<float, kPartBlock>, 4> d{};  ///< coefficients of 1, rx, ry, rz; depth steps
   std::array<std::uint16_t, kPartBlock> reach{};             ///< receptive field, depth steps
-  std::array<std::uint16_t, kPartBlock> gain{};              ///< 65535 / reach
-  std::array<std::uint16_t, kPartBlock> most{};              ///< cost at the reach, units
-  std::array<std::uint16_t, kPartBlock> missing{};           ///< cost where depth is missing, units
+  std::array<std::uint16_t, kPartBlock> near_reach{};  ///< the same for depth nearer than expected, <= reach
+  std::array<std::uint16_t, kPartBlock> gain{};        ///< 65535 / reach
+  std::array<std::uint16_t, kPartBlock> most{};        ///< cost at the reach, units
+  std::array<std::uint16_t, kPartBlock> missing{};     ///< cost where depth is missing, units
 };
 
 struct LaneBin {

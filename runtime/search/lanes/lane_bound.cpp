@@ -41,10 +41,11 @@ constexpr std::size_t kVectors = kLanes / kUnitLanes;
 /// Where the windows of 16 parts start and what their costs need. offset: from the first value of the tables.
 struct Windows {
   alignas(64) std::int32_t offset[kPartBlock];
-  alignas(64) std::int32_t inside[kPartBlock];  ///< 0: no window is large enough, the part says nothing
-  alignas(64) std::int32_t reach[kPartBlock];   ///< visual parts: receptive field, codes of distance
-  alignas(64) std::int32_t gain[kPartBlock];    ///< visual parts: 65535 / reach
-  alignas(64) std::int32_t lowest[kPartBlock];  ///< depth parts: expected depth less z, steps
+  alignas(64) std::int32_t inside[kPartBlock];   ///< 0: no window is large enough, the part says nothing
+  alignas(64) std::int32_t outside[kPartBlock];  ///< not 0: some lane may fall outside of the image
+  alignas(64) std::int32_t reach[kPartBlock];    ///< visual parts: receptive field, codes of distance
+  alignas(64) std::int32_t gain[kPartBlock];     ///< visual parts: 65535 / reach
+  alignas(64) std::int32_t lowest[kPartBlock];   ///< depth parts: expected depth less z, steps
   alignas(64) std::int32_t highest[kPartBlock];
 };
 
@@ -69,9 +70,11 @@ HWY_INLINE Span linear_span(const std::array<std::array<float, kPartBlock>, 4>& 
 
 struct Origin {
   IntVec at, side;
+  IntVec outside;  ///< all bits set where some lane may fall outside of the image
 };
 
-HWY_INLINE Origin origin_of(Span offset, float lane0, const LaneNodeFrame& n, int cell, int grain) {
+HWY_INLINE Origin origin_of(Span offset, float lane0, const LaneNodeFrame& n, int cell, int grain, int lanes,
+                            int size) {
   const Floats f;
   const Ints d;
   const FloatVec scale_lo = hn::Set(f, n.scale_lo);
@@ -85,7 +88,8 @@ HWY_INLINE Origin origin_of(Span offset, float lane0, const LaneNodeFrame& n, in
   const IntVec first = to_pixel(lo, lane0 + (0.5F - LaneNodeFrame::kPixelSlack));
   const IntVec last = to_pixel(hi, lane0 + (0.5F + LaneNodeFrame::kPixelSlack));
   const IntVec aligned = hn::And(first, hn::Set(d, ~(grain - 1)));
-  return {first, hn::Sub(hn::Add(last, hn::Set(d, cell)), aligned)};
+  const auto beyond = hn::Or(hn::Lt(first, hn::Zero(d)), hn::Gt(last, hn::Set(d, size - lanes * cell)));
+  return {first, hn::Sub(hn::Add(last, hn::Set(d, cell)), aligned), hn::VecFromMask(d, beyond)};
 }
 
 /// Fills windows.offset and .inside for the parts i, i + 1, ... of one vector. kind_planes: planes before the
@@ -94,8 +98,10 @@ HWY_INLINE void place(Span u, Span v, IntVec first_plane, std::size_t i, const L
                       const LaneNodeFrame& n, const LanePlanes& planes, Windows& windows) {
   const Ints d;
   const LaneStage& stage = planes.stage();
-  const Origin x = origin_of(u, static_cast<float>(tile.x0), n, stage.cell, stage.grain);
-  const Origin y = origin_of(v, static_cast<float>(tile.y0), n, stage.cell, stage.grain);
+  const Origin x =
+      origin_of(u, static_cast<float>(tile.x0), n, stage.cell, stage.grain, kLaneColumns, planes.width());
+  const Origin y =
+      origin_of(v, static_cast<float>(tile.y0), n, stage.cell, stage.grain, kLaneRows, planes.height());
   const IntVec side = hn::Max(x.side, y.side);
   IntVec level = hn::Zero(d);
   for (const int window : stage.windows) {
@@ -120,6 +126,7 @@ HWY_INLINE void place(Span u, Span v, IntVec first_plane, std::size_t i, const L
       hn::Mul(hn::Add(first_plane, level), hn::Set(d, static_cast<std::int32_t>(planes.plane_size())));
   hn::Store(hn::Add(plane, in_plane), d, windows.offset + i);
   hn::Store(hn::VecFromMask(d, inside), d, windows.inside + i);
+  hn::Store(hn::Or(x.outside, y.outside), d, windows.outside + i);
 }
 
 HWY_INLINE void place_visual(const VisualBlock& block, const LaneTile& tile, const LaneNodeFrame& n,
@@ -192,10 +199,11 @@ HWY_INLINE void add_visual(const VisualBlock& block, const Windows& windows, con
     const UnitVec reach = hn::Set(d, static_cast<std::uint16_t>(windows.reach[i]));
     const UnitVec gain = hn::Set(d, static_cast<std::uint16_t>(windows.gain[i]));
     const UnitVec most = hn::Set(d, block.most[i]);
+    const UnitVec limit = hn::Set(d, windows.outside[i] != 0 ? block.outside[i] : std::uint16_t{65535});
     for (std::size_t k = 0; k < kVectors; ++k) {
       const UnitVec share = hn::Mul(hn::Min(load_lanes(table, columns, k), reach), gain);
       const UnitVec cost = hn::MulHigh(hn::MulHigh(share, share), most);
-      units[k] = hn::SaturatedAdd(units[k], cost);
+      units[k] = hn::SaturatedAdd(units[k], hn::Min(cost, limit));
     }
   }
 }
@@ -215,6 +223,7 @@ HWY_INLINE void add_depth(const DepthBlock& block, const Windows& windows, const
     const UnitVec low_up = hn::Set(d, positive(windows.lowest[i]));
     const UnitVec low_down = hn::Set(d, positive(-windows.lowest[i]));
     const UnitVec reach = hn::Set(d, block.reach[i]);
+    const UnitVec near_reach = hn::Set(d, block.near_reach[i]);
     const UnitVec gain = hn::Set(d, block.gain[i]);
     const UnitVec most = hn::Set(d, block.most[i]);
     const UnitVec missing = hn::Set(d, block.missing[i]);
@@ -225,9 +234,9 @@ HWY_INLINE void add_depth(const DepthBlock& block, const Windows& windows, const
       const UnitVec z_lo = hn::Load(d, n.z_lo.data() + k * kUnitLanes);
       const UnitVec expected_hi = hn::SaturatedSub(hn::SaturatedAdd(z_hi, up), down);
       const UnitVec expected_lo = hn::SaturatedSub(hn::SaturatedAdd(z_lo, low_up), low_down);
-      const UnitVec gap =
-          hn::Max(hn::SaturatedSub(near_value, expected_hi), hn::SaturatedSub(expected_lo, far_value));
-      const UnitVec share = hn::Mul(hn::Min(gap, reach), gain);
+      const UnitVec behind = hn::Min(hn::SaturatedSub(near_value, expected_hi), reach);
+      const UnitVec before = hn::Min(hn::SaturatedSub(expected_lo, far_value), near_reach);
+      const UnitVec share = hn::Mul(hn::Max(behind, before), gain);
       UnitVec cost = hn::MulHigh(hn::MulHigh(share, share), most);
       const auto any_missing = hn::Eq(hn::And(near_value, one), one);
       cost = hn::IfThenElse(any_missing, hn::Min(cost, missing), cost);

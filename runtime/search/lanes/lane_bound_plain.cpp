@@ -26,27 +26,31 @@ float visual_reach(float radius, const LaneNodeFrame& n) {
 
 struct Origin {
   int at = 0, side = 0;
+  bool outside = false;  ///< some lane may fall outside of the image
 };
-Origin origin_of(Span offset, float lane0, const LaneNodeFrame& n, const LaneStage& stage) {
+Origin origin_of(Span offset, float lane0, const LaneNodeFrame& n, const LaneStage& stage, int lanes,
+                 int size) {
   const float lo = std::min(n.scale_lo * offset.lo, n.scale_hi * offset.lo);
   const float hi = std::max(n.scale_lo * offset.hi, n.scale_hi * offset.hi);
   const auto clamped = [](float v) { return std::min(std::max(v, -30000.0F), 30000.0F); };
   const int first = static_cast<int>(std::floor(clamped(lo + (lane0 + (0.5F - LaneNodeFrame::kPixelSlack)))));
   const int last = static_cast<int>(std::floor(clamped(hi + (lane0 + (0.5F + LaneNodeFrame::kPixelSlack)))));
-  return {first, last + stage.cell - (first & ~(stage.grain - 1))};
+  return {first, last + stage.cell - (first & ~(stage.grain - 1)),
+          first < 0 || last + lanes * stage.cell > size};
 }
 
 struct Window {
   std::size_t level = 0;  ///< kLaneLevels: none is large enough
   std::size_t index = 0;
+  bool outside = false;
 };
 Window window_of(Span u, Span v, const LaneTile& tile, const LaneNodeFrame& n, const LanePlanes& planes) {
-  const Origin x = origin_of(u, static_cast<float>(tile.x0), n, planes.stage());
-  const Origin y = origin_of(v, static_cast<float>(tile.y0), n, planes.stage());
+  const Origin x = origin_of(u, static_cast<float>(tile.x0), n, planes.stage(), kLaneColumns, planes.width());
+  const Origin y = origin_of(v, static_cast<float>(tile.y0), n, planes.stage(), kLaneRows, planes.height());
   const int side = std::max(x.side, y.side);
   std::size_t level = 0;
   for (const int window : planes.stage().windows) level += side > window * planes.stage().grain ? 1 : 0;
-  return {level, planes.index_of(x.at, y.at)};
+  return {level, planes.index_of(x.at, y.at), x.outside || y.outside};
 }
 
 std::uint16_t add_saturated(unsigned a, unsigned b) {
@@ -74,7 +78,8 @@ void add_visual(const VisualBlock& block, std::size_t i, const LaneNodeFrame& n,
   const std::uint8_t* codes = planes.distance(static_cast<std::size_t>(block.kind[i]), w.level);
   add_costs(out, planes, w.index, [&](std::size_t, std::size_t at) {
     const unsigned share = std::min<unsigned>(codes[at], reach_codes) * gain;
-    return high_product(high_product(share, share), block.most[i]);
+    const unsigned cost = high_product(high_product(share, share), block.most[i]);
+    return w.outside ? std::min<unsigned>(cost, block.outside[i]) : cost;
   });
 }
 
@@ -95,8 +100,9 @@ void add_depth(const DepthBlock& block, std::size_t i, const LaneNodeFrame& n, c
     const unsigned expected_hi = less(add_saturated(n.z_hi[lane], up), down);
     const unsigned expected_lo = less(add_saturated(n.z_lo[lane], static_cast<unsigned>(std::max(lowest, 0))),
                                       static_cast<unsigned>(std::max(-lowest, 0)));
-    const unsigned gap = std::max(less(nearest[at], expected_hi), less(expected_lo, farthest[at]));
-    const unsigned share = std::min<unsigned>(gap, block.reach[i]) * block.gain[i];
+    const unsigned behind = std::min<unsigned>(less(nearest[at], expected_hi), block.reach[i]);
+    const unsigned before = std::min<unsigned>(less(expected_lo, farthest[at]), block.near_reach[i]);
+    const unsigned share = std::max(behind, before) * block.gain[i];
     const unsigned cost = high_product(high_product(share, share), block.most[i]);
     return (nearest[at] & 1U) ? std::min<unsigned>(cost, block.missing[i]) : cost;
   });

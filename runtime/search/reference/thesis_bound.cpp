@@ -49,11 +49,15 @@ FloatRange part_range(const std::array<std::vector<float>, 4>& c, std::size_t i,
 float visual_cost(const VisualParts& parts, std::size_t i, const ThesisTables& tables, const Region& region) {
   PixelRect r =
       projected(region, tables.frame(), part_range(parts.u, i, region), part_range(parts.v, i, region));
+  const bool outside =
+      r.x0 < 0 || r.y0 < 0 || r.x1 >= tables.frame().width() || r.y1 >= tables.frame().height();
   const auto focal = static_cast<float>(tables.frame().camera().focal);
   const int reach =
       static_cast<int>(std::ceil(std::sqrt(parts.radius2[i]) * focal / lattice_distance(region.lo[kZ]))) + 1;
   r = {r.x0 - reach, r.x1 + reach, r.y0 - reach, r.y1 + reach};
-  return tables.features(parts.kind[i], r) > 0 ? 0 : parts.radius2[i] * parts.weight[i];
+  if (tables.features(parts.kind[i], r) > 0) return 0;
+  const float miss = parts.radius2[i] * parts.weight[i];
+  return outside ? std::min(miss, parts.outside_cost[i]) : miss;
 }
 
 /// BRUTE-FORCE-BOUND-DEPTH (Proc. 17), as a cost.
@@ -70,7 +74,8 @@ float brute_force_depth_cost(const DepthParts& parts, std::size_t i, const Frame
       }
       const float d = static_cast<float>(steps) * FrameTables::kDepthUnit;
       const float gap = std::max(0.0F, std::max(d - expected.hi, expected.lo - d));
-      cost = std::min(cost, std::min(gap * gap, parts.radius2[i]) * parts.weight[i]);
+      const float radius2 = expected.lo > d ? parts.near_radius2[i] : parts.radius2[i];
+      cost = std::min(cost, std::min(gap * gap, radius2) * parts.weight[i]);
     }
   }
   return cost;
@@ -89,7 +94,8 @@ float depth_cost(const DepthParts& parts, std::size_t i, const ThesisTables& tab
   if (tables.depths(r, expected.lo - reach, expected.hi + reach) > 0) return 0;
   const bool outside =
       r.x0 < 0 || r.y0 < 0 || r.x1 >= tables.frame().width() || r.y1 >= tables.frame().height();
-  const float worst = parts.radius2[i] * parts.weight[i];
+  // The sums do not say on which side the depths lie.
+  const float worst = std::min(parts.radius2[i], parts.near_radius2[i]) * parts.weight[i];
   return outside || tables.missing(r) > 0 ? std::min(worst, parts.missing_cost[i]) : worst;
 }
 

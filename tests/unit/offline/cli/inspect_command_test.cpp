@@ -57,7 +57,7 @@ TEST_F(Inspect, PrintsContentsAndProvenance) {
   const std::string text = run({file_.string()});
   EXPECT_EQ(exit_code_, 0);
   for (const char* said :
-       {"box (object id 7)", "version 2", "sextant 0.1.0, seed 1", "box.ply (XXH3 0123456789abcdef)",
+       {"box (object id 7)", "version 3", "sextant 0.1.0, seed 1", "box.ply (XXH3 0123456789abcdef)",
         "{images: 100, parts: 100}", "bounding radius 135.4 mm, centre 105.0 mm above",
         "8 vertices, 12 triangles", "30: rx -10..10, ry -60..-20, rz 0..300 deg", "(24 of 30 bins"}) {
     EXPECT_THAT(text, HasSubstr(said));

@@ -24,6 +24,7 @@ const std::filesystem::path kMesh = std::filesystem::path(SEXTANT_SOURCE_DIR) / 
 LearnParameters quick() {
   LearnParameters p;
   p.images_per_bin = 24;
+  p.scenes_per_bin = 12;
   p.grid = 48;
   p.min_pitch_deg = 40;
   p.max_pitch_deg = 40;
@@ -51,6 +52,7 @@ TEST(Compile, IsByteIdenticalForAnyNumberOfWorkersAndRanks) {
   const StandingObject object = box();
   LearnParameters p = quick();
   p.images_per_bin = 12;
+  p.scenes_per_bin = 4;
   const auto one = encode_model(compile(object, p, 1));
   EXPECT_EQ(encode_model(compile(object, p, 3)), one);
   // As two ranks would do it.

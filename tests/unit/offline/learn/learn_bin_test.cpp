@@ -53,7 +53,7 @@ TEST(LearnBin, RecoversKnownParts) {
   LearnParameters p;
   p.depth_parts = 30;
   const RotationBox box{{-10, -50, 20}, {10, -30, 40}};
-  const ViewpointBin bin = learn_bin(known_views(p, box), p, box, kRadius);
+  const ViewpointBin bin = learn_bin(known_views(p, box), {}, p, box, kRadius);
   // One feature: all enumeration pixels share it, so there is one part.
   ASSERT_EQ(bin.visual.size(), 1U);
   const VisualPart& v = bin.visual[0];
@@ -76,20 +76,63 @@ TEST(LearnBin, RecoversKnownParts) {
   }
 }
 
+/// The object covers u < 0; between 0 and 0.03 it is seen in two of three views; beyond that, the table.
+TEST(LearnBin, TheRimAndTheTableBecomePartsToo) {
+  LearnParameters p;
+  p.images_per_bin = 30;
+  p.depth_parts = 80;
+  const RotationBox box{{-10, -50, 20}, {10, -30, 40}};
+  auto views = known_views(p, box);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    TrainingView& v = views[i];
+    const double scale = p.camera.focal / v.pose.z;
+    const auto middle =
+        static_cast<int>(std::lround(v.pose.x + (i % 3 == 0 ? 0 : 0.03) * scale)) - v.window.x;
+    v.ray_depth_m.setTo(0);
+    v.ray_depth_m.colRange(0, middle).setTo(v.pose.z - 0.03);
+    v.table_depth_m = cv::Mat::zeros(v.window.size(), CV_32FC1);
+    v.table_depth_m.colRange(middle, v.window.width).setTo(v.pose.z + 0.1 + 0.2 * v.pose.ry);
+  }
+  const ViewpointBin bin = learn_bin(views, {}, p, box, kRadius);
+  ASSERT_EQ(bin.depth.size(), 80U);
+  std::array<int, 3> count{};
+  for (const DepthPart& d : bin.depth) {
+    ++count[static_cast<std::size_t>(d.role)];
+    if (d.role == DepthRole::kTable) {
+      EXPECT_GT(d.px, 0.02);
+      EXPECT_NEAR(d.d[2], 0.2, 1e-3);
+    } else {
+      EXPECT_LT(d.px, 0.035);
+      EXPECT_NEAR(d.d[2], 0, 1e-3);
+    }
+    if (d.role == DepthRole::kRim) {
+      EXPECT_GT(d.px, -0.005);
+      EXPECT_LT(d.seen.found, 0.65);
+    }
+    EXPECT_LE(std::hypot(d.px, d.py), 1.01 * kRadius);
+  }
+  EXPECT_GT(count[0], 25);
+  EXPECT_GT(count[1], 3);
+  EXPECT_GT(count[2], 15);
+
+  p.learn_table = 0;
+  for (const DepthPart& d : learn_bin(views, {}, p, box, kRadius).depth) EXPECT_NE(d.role, DepthRole::kTable);
+}
+
 TEST(LearnBin, KindsThatAreOftenUnseenAreNoParts) {
   LearnParameters p;
   const RotationBox box{{-10, -50, 20}, {10, -30, 40}};
   auto views = known_views(p, box);
   views[5].edges.setTo(0);
-  EXPECT_EQ(learn_bin(views, p, box, kRadius).visual.size(), 1U);
+  EXPECT_EQ(learn_bin(views, {}, p, box, kRadius).visual.size(), 1U);
   for (std::size_t i = 0; i < 10; ++i) views[i].edges.setTo(0);
-  EXPECT_TRUE(learn_bin(views, p, box, kRadius).visual.empty());
+  EXPECT_TRUE(learn_bin(views, {}, p, box, kRadius).visual.empty());
 }
 
 TEST(LearnBin, AnAngleOfOneDegreeGetsNoCoefficient) {
   LearnParameters p;
   const RotationBox box{{-10, -50, 0}, {10, -30, 1}};
-  const ViewpointBin bin = learn_bin(known_views(p, box), p, box, kRadius);
+  const ViewpointBin bin = learn_bin(known_views(p, box), {}, p, box, kRadius);
   ASSERT_FALSE(bin.visual.empty());
   for (const VisualPart& v : bin.visual) EXPECT_EQ(v.u[3], 0);
   for (const DepthPart& d : bin.depth) EXPECT_EQ(d.d[3], 0);
@@ -98,7 +141,7 @@ TEST(LearnBin, AnAngleOfOneDegreeGetsNoCoefficient) {
 TEST(BinCodec, IsExactAndRefusesDamage) {
   LearnParameters p;
   const RotationBox box{{-10, -50, 20}, {10, -30, 40}};
-  const ViewpointBin bin = learn_bin(known_views(p, box), p, box, kRadius);
+  const ViewpointBin bin = learn_bin(known_views(p, box), {}, p, box, kRadius);
   auto bytes = encode_bin(bin);
   const ViewpointBin back = decode_bin(bytes);
   EXPECT_EQ(encode_bin(back), bytes);

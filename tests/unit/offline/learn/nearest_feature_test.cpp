@@ -36,6 +36,22 @@ TEST(NearestFeature, IsExactAgainstBruteForce) {
   }
 }
 
+TEST(NearestFeature, OnlyTheRowsAskedForAreFilled) {
+  cv::Mat edges = cv::Mat::zeros(9, 7, CV_8UC1);
+  edges.at<std::uint8_t>(2, 3) = 1;
+  edges.at<std::uint8_t>(8, 6) = 1;
+  const auto all = nearest_features(edges, 0);
+  std::vector<bool> rows(9, false);
+  rows[0] = rows[7] = true;
+  const auto some = nearest_features(edges, 0, rows);
+  ASSERT_EQ(some.size(), all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool wanted = rows[i / 7];
+    EXPECT_EQ(some[i].column, wanted ? all[i].column : -1);
+    EXPECT_EQ(some[i].row, wanted ? all[i].row : -1);
+  }
+}
+
 TEST(NearestFeature, NoneWhereThereIsNone) {
   const auto nearest = nearest_features(cv::Mat::zeros(5, 6, CV_8UC1), 0);
   ASSERT_EQ(nearest.size(), 30U);

@@ -21,7 +21,7 @@ std::vector<PartCandidate> random_candidates(std::size_t count) {
 
 TEST(SelectParts, TakesTheWantedNumberAsFarApartAsItCan) {
   const auto candidates = random_candidates(3000);
-  const auto chosen = select_parts(candidates, 60, 0.8);
+  const auto chosen = select_parts(candidates, 60, 0.8).parts;
   ASSERT_EQ(chosen.size(), 60U);
   double nearest = 1e9;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -47,15 +47,15 @@ TEST(SelectParts, TakesTheWantedNumberAsFarApartAsItCan) {
 
 TEST(SelectParts, ManyPixelsWithOneFeatureGiveOnePart) {
   std::vector<PartCandidate> same(50, PartCandidate{0.1, {7, 7}, 2, 0});
-  EXPECT_EQ(select_parts(same, 10, 1).size(), 1U);
+  EXPECT_EQ(select_parts(same, 10, 1).parts.size(), 1U);
   for (std::size_t i = 0; i < same.size(); ++i) same[i].kind = static_cast<int>(i % 4);
-  EXPECT_EQ(select_parts(same, 10, 1).size(), 4U);  // one of each kind
+  EXPECT_EQ(select_parts(same, 10, 1).parts.size(), 4U);  // one of each kind
 }
 
 TEST(SelectParts, TakesAllWhereThereAreFewAndNoneAboveTheLimit) {
-  EXPECT_EQ(select_parts(random_candidates(5), 60, 1).size(), 5U);
-  EXPECT_TRUE(select_parts(random_candidates(5), 60, -1).empty());
-  EXPECT_TRUE(select_parts({}, 60, 1).empty());
+  EXPECT_EQ(select_parts(random_candidates(5), 60, 1).parts.size(), 5U);
+  EXPECT_TRUE(select_parts(random_candidates(5), 60, -1).parts.empty());
+  EXPECT_TRUE(select_parts({}, 60, 1).parts.empty());
 }
 
 }  // namespace

@@ -49,6 +49,7 @@ TEST(DetectorTrial, LearnsSearchesAndJudges) {
   options.images = split_images(open_bop_dataset(folder / "set", "test").images, 1);
   LearnParameters& learn = options.base.learn;
   learn.images_per_bin = 10;
+  learn.scenes_per_bin = 4;
   learn.grid = 32;
   learn.bin_width_deg = 30;
   learn.min_pitch_deg = 38;

@@ -61,8 +61,10 @@ TEST(DamagedModel, EveryTruncationIsRefused) {
 
 TEST(DamagedModel, AnotherVersionSaysWhatToDo) {
   Bytes bytes = encode_model(test::make_box_model(1, 3, 1));
-  bytes[4] = std::byte{3};
-  EXPECT_THAT(refusal(bytes), testing::HasSubstr("format version 3, this program reads version 2"));
+  bytes[4] = std::byte{kModelFormatVersion + 1};
+  EXPECT_THAT(refusal(bytes),
+              testing::HasSubstr("format version " + std::to_string(kModelFormatVersion + 1) +
+                                 ", this program reads version " + std::to_string(kModelFormatVersion)));
   EXPECT_THAT(refusal(bytes), testing::EndsWith("compile the mesh again with this version"));
 }
 
@@ -155,8 +157,10 @@ TEST(HostileModel, SharedArraysDoNotFillTheMemory) {
   const std::vector<std::int16_t> positions(2 * n);
   const std::vector<std::uint16_t> codes(n, 30000);
   const fbs::FormSteps steps(-20, -20, -20, -20);
-  const auto visual = fbs::CreateVisualPartsDirect(to, &steps, &kinds, &forms, &codes, &codes);
-  const auto depth = fbs::CreateDepthPartsDirect(to, -20, &positions, &steps, &fewer, &codes, &codes, &codes);
+  const auto seen = fbs::CreatePartStatisticsDirect(to, &codes, &kinds, &kinds, &codes);
+  const auto visual = fbs::CreateVisualPartsDirect(to, &steps, &kinds, &forms, &codes, &codes, seen);
+  const auto depth =
+      fbs::CreateDepthPartsDirect(to, -20, &positions, &steps, &fewer, &codes, &codes, &codes, seen, &kinds);
   const std::array<std::int16_t, 3> lo{0, 0, 0};
   const std::array<std::int16_t, 3> hi{20, 20, 20};
   const fbs::Box box{flatbuffers::span<const std::int16_t, 3>(lo),

@@ -53,6 +53,12 @@ Losses losses(const ObjectModel& a, const ObjectModel& b) {
   const auto relative = [&](double x, double y) {
     worst.variance = std::max(worst.variance, std::abs(y / x - 1));
   };
+  const auto statistics = [&](const PartStatistics& x, const PartStatistics& y) {
+    relative(x.spread, y.spread);
+    relative(x.weight, y.weight);
+    EXPECT_NEAR(x.found, y.found, 0.5 / 255 + 1e-6);
+    EXPECT_NEAR(x.background, y.background, 0.5 / 255 + 1e-6);
+  };
   for (std::size_t i = 0; i < a.bins.size(); ++i) {
     for (int sample = 0; sample < 20; ++sample) {
       std::array<double, 3> r{};
@@ -67,6 +73,7 @@ Losses losses(const ObjectModel& a, const ObjectModel& b) {
         position(value_at(p.v, r), value_at(q.v, r));
         relative(p.variance, q.variance);
         relative(p.radius, q.radius);
+        statistics(p.seen, q.seen);
         EXPECT_EQ(p.kind, q.kind);
       }
       for (std::size_t k = 0; k < a.bins[i].depth.size(); ++k) {
@@ -77,6 +84,8 @@ Losses losses(const ObjectModel& a, const ObjectModel& b) {
         worst.depth_m = std::max(worst.depth_m, std::abs(value_at(p.d, r) - value_at(q.d, r)));
         relative(p.variance, q.variance);
         relative(p.radius, q.radius);
+        statistics(p.seen, q.seen);
+        EXPECT_EQ(p.role, q.role);
         if (p.missing == 0) {
           EXPECT_EQ(q.missing, 0);
         } else {

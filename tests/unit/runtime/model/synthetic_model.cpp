@@ -68,6 +68,11 @@ std::pair<Eigen::Vector3d, int> point_on_visible_edge(const Eigen::Matrix3d& rot
   }
 }
 
+PartStatistics statistics(std::mt19937_64& random) {
+  const auto unit = [&] { return static_cast<float>(random() % 1000) / 1000; };
+  return {1e-6F * (1 + 100 * unit()), 0.5F + 0.45F * unit(), 0.05F + 0.4F * unit(), 0.25F + 2 * unit()};
+}
+
 VisualPart edge_part(const Angles& centre, std::mt19937_64& random) {
   const Eigen::Matrix3d rotation = tangent_from_object(centre[0], centre[1], centre[2]);
   const auto [point, axis] = point_on_visible_edge(rotation, random);
@@ -79,6 +84,7 @@ VisualPart edge_part(const Angles& centre, std::mt19937_64& random) {
   part.kind = static_cast<std::uint8_t>((std::lround(angle / 22.5) + 16) % 8);
   part.variance = static_cast<float>(1e-6 * (1 + static_cast<double>(random() % 1000)));
   part.radius = static_cast<float>(5.0 / 525);
+  part.seen = statistics(random);
   return part;
 }
 
@@ -97,6 +103,8 @@ DepthPart depth_part(const Angles& centre, std::mt19937_64& random) {
     part.variance = static_cast<float>(1e-6 * (1 + static_cast<double>(random() % 1000)));
     part.radius = 0.02F;
     part.missing = 0.01F;
+    part.seen = statistics(random);
+    part.role = static_cast<DepthRole>(random() % 3);
     // Beside an edge the difference quotient may cross it: not a part.
     if (std::abs(part.d[1]) + std::abs(part.d[2]) + std::abs(part.d[3]) < 1) return part;
   }
@@ -196,13 +204,16 @@ ObjectModel make_random_model(int bins, int parts, double radius_m, std::uint64_
     };
     const auto positive = [&] { return static_cast<float>(std::exp2(-24 + 12 * unit(random))); };
     for (int k = 0; k < parts; ++k) {
-      bin.visual.push_back({static_cast<std::uint8_t>(random() % 8), form(), form(), positive(), positive()});
+      bin.visual.push_back({static_cast<std::uint8_t>(random() % 8), form(), form(), positive(), positive(),
+                            statistics(random)});
       DepthPart depth{static_cast<float>(unit(random) * radius_m),
                       static_cast<float>(unit(random) * radius_m),
                       form(),
                       positive(),
                       positive(),
-                      0};
+                      0,
+                      statistics(random),
+                      static_cast<DepthRole>(k % 3)};
       if (k % 3 != 0) depth.missing = depth.radius * static_cast<float>(0.5 + 0.5 * std::abs(unit(random)));
       bin.depth.push_back(depth);
     }

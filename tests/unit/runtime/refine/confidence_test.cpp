@@ -78,7 +78,8 @@ TEST(FalsePositiveRate, TheThresholdLeavesThatShareOfTheCalibrationsImages) {
 }
 
 TEST(FalsePositiveRate, WithoutCalibrationNothingIsLeftOut) {
-  EXPECT_EQ(threshold_for_false_positive_rate(ConfidenceModel{}, 0.01), 0);
+  EXPECT_EQ(threshold_for_false_positive_rate(ConfidenceModel{}, 0.01), kLeastGeneralConfidence);
+  EXPECT_EQ(threshold_for_false_positive_rate(ConfidenceModel{}, 1), 0);
 }
 
 }  // namespace

@@ -20,7 +20,9 @@ class RandomProblem {
     camera_ = {width, height, 60, width / 2.0 - 0.5, height / 2.0 - 0.5};
     make_frame();
     make_model();
-    bins_ = score_bins(model_, seed % 2 ? Scoring::kThesis : Scoring::kLikelihood);
+    ScoringOptions options(seed % 2 ? Scoring::kThesis : Scoring::kLikelihood);
+    options.outside_is_unknown = seed % 4 == 0;
+    bins_ = score_bins(model_, options);
   }
 
   double uniform(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random_); }

@@ -88,6 +88,59 @@ TEST(Likelihood, RewardsTheFoundAndPunishesTheAbsent) {
   EXPECT_GT(missing, none);
 }
 
+TEST(Likelihood, WhatIsOutsideOfTheImageMayCountAsUnknown) {
+  const TinyFrame frame;
+  VisualPart v;
+  v.kind = 4;
+  v.variance = 1e-6F;
+  v.radius = 0.01F;
+  v.u[0] = -0.7F;  // 20 pixels left of the image
+  DepthPart d;
+  d.variance = 1e-6F;
+  d.radius = 0.02F;
+  const LatticePose pose{0, {50, 40, 500, 0, 0, 0}};
+  ScoringOptions options;
+  options.outside_is_unknown = false;
+  const auto misses = score_bins(one_bin(v, d), options);
+  options.outside_is_unknown = true;
+  const auto unknown = score_bins(one_bin(v, d), options);
+  // An unknown edge adds nothing to what the depth part says; a missed one takes some of it.
+  ObjectModel alone = one_bin(v, d);
+  alone.bins[0].visual.clear();
+  const double depth = evaluate(score_bins(alone, options)[0], frame.tables, pose);
+  EXPECT_NEAR(evaluate(unknown[0], frame.tables, pose), depth, 1e-5);
+  EXPECT_LT(evaluate(misses[0], frame.tables, pose), depth - 0.5);
+  // The thesis knows no such state.
+  options.scoring = Scoring::kThesis;
+  const auto thesis = score_bins(one_bin(v, d), options);
+  EXPECT_EQ(thesis[0].visual.outside_cost[0], thesis[0].visual.radius2[0] * thesis[0].visual.weight[0]);
+}
+
+TEST(Likelihood, WhatStandsInFrontSaysLessThanWhatIsBehind) {
+  const TinyFrame frame;
+  DepthPart d;
+  d.variance = 1e-6F;
+  d.radius = 0.02F;
+  const LatticePose pose{0, {50, 40, 500, 0, 0, 0}};
+  const auto score = [&](float expected, const ScoringOptions& options) {
+    d.d[0] = expected;  // the measured depth is 0
+    ObjectModel model = one_bin({}, d);
+    model.bins[0].visual.clear();
+    return evaluate(score_bins(model, options)[0], frame.tables, pose);
+  };
+  ScoringOptions options;
+  const double behind = score(-0.3F, options);   // the depth is farther than expected
+  const double in_front = score(0.3F, options);  // nearer
+  EXPECT_LT(behind, 0);
+  EXPECT_NEAR(in_front, options.occluder_share * behind, 1e-5);
+  EXPECT_NEAR(score(0.001F, options), score(-0.001F, options), 1e-4);  // on the surface there are no sides
+  options.occluder_share = 1;
+  EXPECT_NEAR(score(0.3F, options), behind, 1e-5);
+  // The thesis takes both sides alike.
+  options = Scoring::kThesis;
+  EXPECT_EQ(score(0.3F, options), score(-0.3F, options));
+}
+
 TEST(Scoring, NamesAreChecked) {
   EXPECT_EQ(scoring_from_name("thesis"), Scoring::kThesis);
   EXPECT_EQ(scoring_from_name("likelihood"), Scoring::kLikelihood);
