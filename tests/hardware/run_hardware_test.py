@@ -11,6 +11,7 @@ Exit code 77 (skipped, with the reason printed) where QEMU, the kernel's package
 --need (or SEXTANT_NEED_HARDWARE=1) that is a failure.
 """
 import argparse
+import fcntl
 import json
 import math
 import os
@@ -105,6 +106,9 @@ def main():
     try:
         folder = Path(arguments.build).resolve()
         folder.mkdir(parents=True, exist_ok=True)
+        # One run at a time: they share the kernel, the initramfs and the model. Held until this process ends.
+        lock = (folder / "lock").open("w")
+        fcntl.flock(lock, fcntl.LOCK_EX)
         kernel = Kernel(folder, HERE / "vm/init")
         machine = Machine(kernel)
         if arguments.vimc:
