@@ -69,17 +69,20 @@ cv::Mat ray_from_axial(const PinholeCamera& camera) {
   return factor;
 }
 
-/// depth becomes depth * factor, and 0 where it is missing.
-void scale_depth(const cv::Mat& factor, cv::Mat& depth) {
+/// depth * factor, 0 where it is missing.
+cv::Mat scaled(const cv::Mat& depth, const cv::Mat& factor) {
+  cv::Mat out(depth.size(), CV_32FC1);
   for (int y = 0; y < depth.rows; ++y) {
-    auto* row = depth.ptr<float>(y);
+    const auto* in = depth.ptr<float>(y);
     const auto* scale = factor.ptr<float>(y);
+    auto* __restrict row = out.ptr<float>(y);
     for (int x = 0; x < depth.cols; ++x) {
       // Written so that a NaN is missing.
-      const bool usable = (row[x] > 0) & (row[x] < std::numeric_limits<float>::max());
-      row[x] = usable ? row[x] * scale[x] : 0.0F;
+      const bool usable = (in[x] > 0) & (in[x] < std::numeric_limits<float>::max());
+      row[x] = usable ? in[x] * scale[x] : 0.0F;
     }
   }
+  return out;
 }
 
 bool same(const CameraModel& a, const CameraModel& b) {
@@ -102,7 +105,8 @@ void Rectifier::prepare(const CameraModel& source) {
   shrinks_ = 4 * ideal_.width <= 3 * source.width;
   const cv::Mat colour_map =
       shrinks_ ? in_resized(map, {source.width, source.height}, {ideal_.width, ideal_.height}) : map;
-  cv::convertMaps(colour_map, cv::Mat(), colour_pixels_, colour_fractions_, CV_16SC2);
+  colour_remap_ = ColourRemap(
+      colour_map, shrinks_ ? cv::Size(ideal_.width, ideal_.height) : cv::Size(source.width, source.height));
 }
 
 cv::Mat Rectifier::rectified_colour(const CameraModel& camera, const cv::Mat& colour) {
@@ -110,9 +114,7 @@ cv::Mat Rectifier::rectified_colour(const CameraModel& camera, const cv::Mat& co
   if (as_is_) return colour;
   cv::Mat source = colour;
   if (shrinks_) cv::resize(colour, source, {ideal_.width, ideal_.height}, 0, 0, cv::INTER_AREA);
-  cv::Mat out;
-  cv::remap(source, out, colour_pixels_, colour_fractions_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  return out;
+  return colour_remap_(source);
 }
 
 SearchFrame Rectifier::rectified(const RgbdFrame& frame) {
@@ -121,13 +123,12 @@ SearchFrame Rectifier::rectified(const RgbdFrame& frame) {
   SearchFrame out;
   out.camera = ideal_;
   out.colour = rectified_colour(frame.camera, frame.colour);
-  if (as_is_) {
-    out.ray_depth_m = frame.axial_depth_m.clone();
-  } else {
-    cv::remap(frame.axial_depth_m, out.ray_depth_m, depth_pixels_, cv::Mat(), cv::INTER_NEAREST,
-              cv::BORDER_CONSTANT, 0);
+  cv::Mat axial = frame.axial_depth_m;
+  if (!as_is_) {
+    cv::remap(frame.axial_depth_m, axial, depth_pixels_, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
+              0);
   }
-  scale_depth(ray_from_axial_, out.ray_depth_m);
+  out.ray_depth_m = scaled(axial, ray_from_axial_);
   return out;
 }
 
