@@ -105,8 +105,7 @@ void Rectifier::prepare(const CameraModel& source) {
   shrinks_ = 4 * ideal_.width <= 3 * source.width;
   const cv::Mat colour_map =
       shrinks_ ? in_resized(map, {source.width, source.height}, {ideal_.width, ideal_.height}) : map;
-  colour_remap_ = ColourRemap(
-      colour_map, shrinks_ ? cv::Size(ideal_.width, ideal_.height) : cv::Size(source.width, source.height));
+  cv::convertMaps(colour_map, cv::Mat(), colour_pixels_, colour_fractions_, CV_16SC2);
 }
 
 cv::Mat Rectifier::rectified_colour(const CameraModel& camera, const cv::Mat& colour) {
@@ -114,7 +113,9 @@ cv::Mat Rectifier::rectified_colour(const CameraModel& camera, const cv::Mat& co
   if (as_is_) return colour;
   cv::Mat source = colour;
   if (shrinks_) cv::resize(colour, source, {ideal_.width, ideal_.height}, 0, 0, cv::INTER_AREA);
-  return colour_remap_(source);
+  cv::Mat out;
+  cv::remap(source, out, colour_pixels_, colour_fractions_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return out;
 }
 
 SearchFrame Rectifier::rectified(const RgbdFrame& frame) {
@@ -123,12 +124,12 @@ SearchFrame Rectifier::rectified(const RgbdFrame& frame) {
   SearchFrame out;
   out.camera = ideal_;
   out.colour = rectified_colour(frame.camera, frame.colour);
-  cv::Mat axial = frame.axial_depth_m;
+  cv::Mat moved;
   if (!as_is_) {
-    cv::remap(frame.axial_depth_m, axial, depth_pixels_, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
+    cv::remap(frame.axial_depth_m, moved, depth_pixels_, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
               0);
   }
-  out.ray_depth_m = scaled(axial, ray_from_axial_);
+  out.ray_depth_m = scaled(as_is_ ? frame.axial_depth_m : moved, ray_from_axial_);
   return out;
 }
 

@@ -5,7 +5,6 @@
 
 #include <opencv2/core.hpp>
 
-#include "runtime/frame/colour_remap.h"
 #include "runtime/frame/rgbd_frame.h"
 #include "runtime/geometry/camera_model.h"
 
@@ -37,11 +36,13 @@ class Rectifier {
   int width_out_;
   CameraModel source_;  ///< what the members below were made for
   PinholeCamera ideal_;
-  bool as_is_ = false;        ///< pixels are those of the ideal camera already
-  bool shrinks_ = false;      ///< colour is averaged down before it is moved
-  ColourRemap colour_remap_;  ///< from the (shrunk) source image
-  cv::Mat depth_pixels_;      ///< CV_16SC2: the nearest pixel of the source itself
-  cv::Mat ray_from_axial_;    ///< CV_32FC1
+  bool as_is_ = false;    ///< pixels are those of the ideal camera already
+  bool shrinks_ = false;  ///< colour is averaged down before it is moved
+  /// For each ideal pixel, the pixel of the (shrunk) source image, in OpenCV's fixed point: whole pixels
+  /// (CV_16SC2) and 1/32 of them (CV_16UC1).
+  cv::Mat colour_pixels_, colour_fractions_;
+  cv::Mat depth_pixels_;    ///< CV_16SC2: the nearest pixel of the source itself
+  cv::Mat ray_from_axial_;  ///< CV_32FC1
 };
 
 /// One frame: Rectifier(width_out).rectified(frame).

@@ -28,7 +28,7 @@ sys.path.insert(0, str(HERE / "vm"))
 
 from kernel import Kernel, Missing  # noqa: E402
 from machine import Machine  # noqa: E402
-from vimc import add_vimc  # noqa: E402
+from vimc import add_vimc, udev_lines  # noqa: E402
 
 # Two HDMI loop-back pairs and two webcams (tests/hardware/vivid.h), all without audio, radio and the like.
 VIVID = ("vivid n_devs=4 node_types=0x101,0x101,0x1,0x1 num_inputs=1,1,1,1 input_types=3,3,0,0 num_outputs=1,1,0,0 "
@@ -42,7 +42,7 @@ def script(kernel, arguments, job):
              "export SEXTANT_HARDWARE_OUT=%s" % shlex.quote(str(job)),
              "modprobe -d $modules -S %s %s" % (kernel.version, VIVID)]
     if arguments.vimc:
-        lines += ["modprobe -d $modules -S %s vimc" % kernel.version]
+        lines += ["modprobe -d $modules -S %s vimc" % kernel.version] + udev_lines(kernel.build)
     lines += ["cd %s" % shlex.quote(str(job))]
     if arguments.before:
         lines += [". %s" % shlex.quote(str(Path(arguments.before).resolve()))]
@@ -63,10 +63,10 @@ def is_right_pose(frames, sextant, build):
         "pitch_deg: %r, roll_deg: %r, height_m: %r}\n" % (
             math.degrees(table["pitch_rad"]), math.degrees(table["roll_rad"]), table["height_m"]))
     model = build / "box.sxm"
-    if not model.exists():
+    if not model.exists() or model.stat().st_mtime < Path(sextant).stat().st_mtime:
         # A coarse model of the views that the sample has: quick to learn, good enough to find the box.
         (frames / "learning.yaml").write_text("{min_pitch_deg: 38, max_pitch_deg: 40, max_roll_deg: 0, "
-                                              "angle_tolerance_deg: 3, images_per_bin: 30, grid: 40}\n")
+                                              "angle_tolerance_deg: 3, images_per_bin: 20, grid: 40}\n")
         subprocess.run([sextant, "compile", str(HERE.parents[1] / "data/meshes/printed_box.obj"), "--units", "mm", "--up", "z",
                         "--object-id", "1", "--params", str(frames / "learning.yaml"), "-o", str(model)], check=True,
                        stdout=subprocess.DEVNULL)

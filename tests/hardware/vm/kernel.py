@@ -108,6 +108,7 @@ class Kernel:
     """vmlinux, an initramfs and a folder of modules."""
 
     def __init__(self, build, init):
+        self.build = build
         name = package_name()
         package = unpacked_package(build, name)
         self.root = package / "root"
