@@ -14,7 +14,7 @@ from kernel import need
 # no_timer_check: the kernel's boot test of the timer interrupt fails by chance on a busy host.
 KERNEL_WORDS = ("console=ttyS0 quiet loglevel=4 panic=-1 mitigations=off no_timer_check tsc=reliable clocksource=tsc "
                 "random.trust_cpu=on")
-BOOT_TIMEOUT_S = 90
+BOOT_TIMEOUT_S = 120
 BOOT_TRIES = 3
 UP = "vm: up"  # said by init on the console
 
