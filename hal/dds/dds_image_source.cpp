@@ -6,13 +6,14 @@
 #include <atomic>
 #include <mutex>
 
+#include "hal/wait_loop.h"
 #include "idl/dds/type_hashes.h"
 #include "runtime/base/error.h"
 
 namespace sextant {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = WaitClock;
 
 constexpr std::chrono::seconds kSilence{1};
 
@@ -31,15 +32,12 @@ class DdsImageSource final : public ImageSource {
       : options_(options), subscription_(std::move(participant), subscription_of(options)) {}
 
   std::optional<RawImage> next(std::chrono::milliseconds timeout) override {
-    std::optional<RawImage> newest;
-    const Clock::time_point deadline = Clock::now() + timeout;
-    while (!closed_ && !newest) {
-      const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-      subscription_.wait_and_take(std::max(left, std::chrono::milliseconds(0)),
-                                  [&](const void* sample) { accept(sample, newest); });
-      note(newest.has_value());
-      if (Clock::now() >= deadline) break;
-    }
+    auto newest = wait_for_result(timeout, closed_, [this](Clock::time_point deadline) {
+      std::optional<RawImage> got;
+      subscription_.wait_and_take(left_until(deadline), [&](const void* sample) { accept(sample, got); });
+      note(got.has_value());
+      return got;
+    });
     if (closed_) return std::nullopt;
     if (newest) {
       const std::lock_guard lock(mutex_);

@@ -7,16 +7,17 @@
 
 #include "hal/dds/dds_image_source.h"
 #include "hal/dds/tf_listener.h"
+#include "hal/wait_loop.h"
 #include "idl/dds/type_hashes.h"
 #include "runtime/base/error.h"
 
 namespace sextant {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kSlice{50};  ///< how fast close() is answered while CameraInfo is waited for
+constexpr milliseconds kPairSlice{500};
 
 /// "camera/color/image_raw" -> "camera/color/camera_info".
 std::string info_beside(const std::string& image_topic) {
@@ -96,17 +97,12 @@ class DdsRgbdSource final : public FrameSource {
   }
 
   std::optional<RgbdFrame> next(milliseconds timeout) override {
-    const Clock::time_point deadline = Clock::now() + timeout;
-    while (!closed_) {
-      const auto left = std::max(milliseconds(0), std::chrono::ceil<milliseconds>(deadline - Clock::now()));
-      follow_calibration(std::min(left, kSlice));
+    return wait_for_result(timeout, closed_, [this](WaitClock::time_point deadline) {
+      follow_calibration(std::min(left_until(deadline), kSlice));
       const std::shared_ptr<FrameSource> pairs = pairs_now();
       // In slices too: a CameraInfo may change while images of another size are refused.
-      const auto slice = std::min(left, milliseconds(500));
-      if (auto frame = pairs ? pairs->next(slice) : std::nullopt) return frame;
-      if (Clock::now() >= deadline) return std::nullopt;
-    }
-    return std::nullopt;
+      return pairs ? pairs->next(std::min(left_until(deadline), kPairSlice)) : std::nullopt;
+    });
   }
 
   SourceState state() const override {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "hal/libcamera/libcamera_controls.h"
 #include "hal/live/stream_session.h"
@@ -34,6 +35,20 @@ std::string what_it_offers(const lc::StreamConfiguration& configuration) {
   throw DeviceUnready(
       where, fmt::format("{}: {}", what, std::strerror(std::abs(error))),
       std::abs(error) == EBUSY ? "close the program that uses it" : "unplug it and plug it in again");
+}
+
+/// A camera's node that is open here was deleted. libcamera learns that from udev alone; stopping a camera
+/// whose node went and that it believes to be there ends the process (an assertion of libcamera 0.0.3).
+bool has_lost_node() {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
+    const std::string target = std::filesystem::read_symlink(entry.path(), error).string();
+    if (error || !target.ends_with(" (deleted)")) continue;
+    for (const char* kind : {"/dev/video", "/dev/media", "/dev/v4l-subdev"}) {
+      if (target.starts_with(kind)) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -158,6 +173,14 @@ void CameraStream::stop() {
     const std::lock_guard lock(run_mutex_);
     if (!acquired_) return;
     acquired_ = false;
+    const std::shared_ptr<CameraStream> self = weak_from_this().lock();
+    if (self && running_ && !is_gone() && has_lost_node()) {
+      running_ = false;
+      system_.abandon();
+      // libcamera still writes there: kept for ever.
+      [[maybe_unused]] const auto* for_ever = new std::shared_ptr<CameraStream>(self);
+      return;
+    }
     if (std::exchange(running_, false)) camera_->stop();
   }
   camera_->requestCompleted.disconnect(this);

@@ -14,6 +14,7 @@ namespace {
 struct Shared {
   std::mutex mutex;
   int users = 0;
+  bool abandoned = false;
   std::unique_ptr<libcamera::CameraManager> manager;
 };
 
@@ -26,6 +27,10 @@ Shared& shared() {
 
 CameraSystem::CameraSystem() {
   const std::lock_guard lock(shared().mutex);
+  if (shared().abandoned)
+    throw DeviceUnready(
+        "libcamera", "a camera went without udev saying so, and libcamera cannot let go of it",
+        "start this program again; run udev (in a container: share /run/udev and the host's network)");
   if (shared().users == 0) {
     // Its log goes to stderr by itself; only what is wrong, unless the user asks for more.
     ::setenv("LIBCAMERA_LOG_LEVELS", "*:ERROR", 0);
@@ -40,13 +45,21 @@ CameraSystem::CameraSystem() {
 
 CameraSystem::~CameraSystem() {
   const std::lock_guard lock(shared().mutex);
-  if (--shared().users > 0) return;
+  if (--shared().users > 0 || !shared().manager) return;
   shared().manager->stop();
   shared().manager.reset();
 }
 
+void CameraSystem::abandon() {
+  const std::lock_guard lock(shared().mutex);
+  shared().abandoned = true;
+  // Its destructor would stop what cannot be stopped.
+  [[maybe_unused]] const libcamera::CameraManager* for_ever = shared().manager.release();
+}
+
 std::vector<std::shared_ptr<libcamera::Camera>> CameraSystem::cameras() const {
   const std::lock_guard lock(shared().mutex);
+  if (!shared().manager) return {};
   return shared().manager->cameras();
 }
 

@@ -20,6 +20,9 @@ class CameraSystem {
   CameraSystem& operator=(const CameraSystem&) = delete;
 
   std::vector<std::shared_ptr<libcamera::Camera>> cameras() const;
+  /// Gives the manager up without ending it, for good: it holds a camera that cannot be stopped. Every
+  /// further user is refused.
+  void abandon();
 };
 
 }  // namespace sextant

@@ -11,11 +11,12 @@
 #include "hal/live/device_clock.h"
 #include "hal/live/sequence_counter.h"
 #include "hal/live/wake_event.h"
+#include "hal/wait_loop.h"
 
 namespace sextant {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = WaitClock;
 using std::chrono::milliseconds;
 
 /// Some devices fail to start once and then work.
@@ -43,26 +44,9 @@ class LiveSource final : public ImageSource {
   }
 
   std::optional<RawImage> next(milliseconds timeout) override {
-    const Clock::time_point deadline = Clock::now() + timeout;
-    while (!closed_) {
-      if (!session_) {
-        if (!try_to_open(deadline)) break;
-        continue;
-      }
-      if (auto image = take_newest()) return image;
-      if (!session_) continue;
-      const Clock::time_point silent_at = last_good_ + options_.watchdog;
-      const bool starved = session_->is_starved();
-      if (starved) last_good_ = Clock::now();
-      if (!starved && Clock::now() >= silent_at) {
-        end_session(fmt::format("no good frame for {} ms", options_.watchdog.count()));
-        continue;
-      }
-      if (Clock::now() >= deadline) break;
-      wake_.wait(session_->wait_fd(), starved ? deadline : std::min(deadline, silent_at));
-    }
+    auto image = wait_for_result(timeout, closed_, [this](Clock::time_point end) { return attempt(end); });
     if (closed_) session_.reset();
-    return std::nullopt;
+    return image;
   }
 
   SourceState state() const override {
@@ -115,17 +99,33 @@ class LiveSource final : public ImageSource {
     wait_for(fmt::format("{}: {}; opening it anew", name_, reason));
   }
 
-  /// One try, when its time has come; session_ tells. False at the deadline and after close().
-  bool try_to_open(Clock::time_point deadline) {
+  /// An image that is there, or a wait for one.
+  std::optional<RawImage> attempt(Clock::time_point deadline) {
+    if (!session_) try_to_open(deadline);
+    if (!session_) return std::nullopt;
+    if (auto image = take_newest()) return image;
+    if (!session_) return std::nullopt;
+    const bool starved = session_->is_starved();
+    if (starved) last_good_ = Clock::now();
+    const Clock::time_point silent_at = last_good_ + options_.watchdog;
+    if (Clock::now() >= silent_at) {
+      end_session(fmt::format("no good frame for {} ms", options_.watchdog.count()));
+    } else {
+      wake_.wait(session_->wait_fd(), starved ? deadline : std::min(deadline, silent_at));
+    }
+    return std::nullopt;
+  }
+
+  /// One try, when its time has come; session_ tells.
+  void try_to_open(Clock::time_point deadline) {
     wake_.wait(-1, std::min(deadline, retry_at_));
-    if (closed_ || Clock::now() < retry_at_) return false;
+    if (closed_ || Clock::now() < retry_at_) return;
     try {
       session_ = open_();
       session_began();
     } catch (const DoorError& error) {
       wait_for(error.what());
     }
-    return true;
   }
 
   /// Works off what has arrived. The image to hand out, or nothing; the session may be over afterwards.

@@ -41,6 +41,8 @@ FrameComposer::FrameComposer(const RgbdCalibration& calibration, const ComposerO
   const bool resizes = options.width > 0 && options.width != colour.width;
   rectifies_ = resizes || (options.rectify && !colour.is_ideal());
   camera_ = rectifies_ ? model_of(colour.ideal(options.width)) : colour;
+  // Its maps take longer than a frame lasts: made now, so that the first frame is not late.
+  if (rectifies_) rectifier_.rectified_colour(colour, cv::Mat::zeros(colour.height, colour.width, CV_8UC3));
   if (rectifies_ || !calibration_.depth_is_registered) {
     registration_ = std::make_unique<DepthRegistration>(calibration_.depth, camera_,
                                                         calibration_.colour_from_depth, where);

@@ -158,16 +158,28 @@ void DepthRegistration::splat(const Row& above_row, const Row& row, const Row& b
   const std::size_t step = out.step1();
   auto* pixels = out.ptr<float>();
   for (int x = 0; x < width; ++x) {
-    const float depth = z[x];
-    if (depth <= 0) continue;
-    const int x1 = std::min(right[x], last_x);
-    const int y1 = std::min(bottom[x], last_y);
-    for (int yy = std::max(top[x], 0); yy <= y1; ++yy) {
+    const bool empty = !(z[x] > 0.0F) | (right[x] < left[x]) | (bottom[x] < top[x]) | (right[x] < 0) |
+                       (bottom[x] < 0) | (left[x] > last_x) | (top[x] > last_y);
+    // Missing is "infinitely far" here: registered() turns it into 0 at the end.
+    const float depth = empty ? kMissing : z[x];
+    const int x0 = std::clamp(left[x], 0, last_x);
+    const int y0 = std::clamp(top[x], 0, last_y);
+    const int x1 = std::clamp(right[x], x0, last_x);
+    const int y1 = std::clamp(bottom[x], y0, last_y);
+    // Nearly every footprint has one or two pixels a side: its corners are all of it. No branch depends on
+    // which, for there would be no predicting it.
+    if ((x1 - x0 <= 1) & (y1 - y0 <= 1)) [[likely]] {
+      float* upper = pixels + static_cast<std::size_t>(y0) * step;
+      float* lower = pixels + static_cast<std::size_t>(y1) * step;
+      upper[x0] = std::min(upper[x0], depth);
+      upper[x1] = std::min(upper[x1], depth);
+      lower[x0] = std::min(lower[x0], depth);
+      lower[x1] = std::min(lower[x1], depth);
+      continue;
+    }
+    for (int yy = y0; yy <= y1; ++yy) {
       float* target = pixels + static_cast<std::size_t>(yy) * step;
-      for (int xx = std::max(left[x], 0); xx <= x1; ++xx) {
-        // Missing is "infinitely far" here: registered() turns it into 0 at the end.
-        target[xx] = std::min(target[xx], depth);
-      }
+      for (int xx = x0; xx <= x1; ++xx) target[xx] = std::min(target[xx], depth);
     }
   }
 }

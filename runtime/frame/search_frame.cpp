@@ -69,17 +69,20 @@ cv::Mat ray_from_axial(const PinholeCamera& camera) {
   return factor;
 }
 
-/// depth becomes depth * factor, and 0 where it is missing.
-void scale_depth(const cv::Mat& factor, cv::Mat& depth) {
+/// depth * factor, 0 where it is missing.
+cv::Mat scaled(const cv::Mat& depth, const cv::Mat& factor) {
+  cv::Mat out(depth.size(), CV_32FC1);
   for (int y = 0; y < depth.rows; ++y) {
-    auto* row = depth.ptr<float>(y);
+    const auto* in = depth.ptr<float>(y);
     const auto* scale = factor.ptr<float>(y);
+    auto* __restrict row = out.ptr<float>(y);
     for (int x = 0; x < depth.cols; ++x) {
       // Written so that a NaN is missing.
-      const bool usable = (row[x] > 0) & (row[x] < std::numeric_limits<float>::max());
-      row[x] = usable ? row[x] * scale[x] : 0.0F;
+      const bool usable = (in[x] > 0) & (in[x] < std::numeric_limits<float>::max());
+      row[x] = usable ? in[x] * scale[x] : 0.0F;
     }
   }
+  return out;
 }
 
 bool same(const CameraModel& a, const CameraModel& b) {
@@ -121,13 +124,12 @@ SearchFrame Rectifier::rectified(const RgbdFrame& frame) {
   SearchFrame out;
   out.camera = ideal_;
   out.colour = rectified_colour(frame.camera, frame.colour);
-  if (as_is_) {
-    out.ray_depth_m = frame.axial_depth_m.clone();
-  } else {
-    cv::remap(frame.axial_depth_m, out.ray_depth_m, depth_pixels_, cv::Mat(), cv::INTER_NEAREST,
-              cv::BORDER_CONSTANT, 0);
+  cv::Mat moved;
+  if (!as_is_) {
+    cv::remap(frame.axial_depth_m, moved, depth_pixels_, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT,
+              0);
   }
-  scale_depth(ray_from_axial_, out.ray_depth_m);
+  out.ray_depth_m = scaled(as_is_ ? frame.axial_depth_m : moved, ray_from_axial_);
   return out;
 }
 

@@ -45,8 +45,10 @@ struct NoTable {
 /// answer is doubtful and refused.
 ///
 /// The uncertainty is that of the least squares fit with errors that are common to whole patches of the image
-/// (sensor warp, correlated noise: the cluster-robust covariance of 8 x 6 patches), and never below what a
-/// depth camera's own calibration leaves: 1 mm and 0.2 deg.
+/// (sensor warp, correlated noise: the cluster-robust covariance of 8 x 6 patches), and of what a depth
+/// camera's own calibration leaves, which no residual shows: 1 mm and 0.2 deg where the plane was seen. The
+/// camera's height suffers from both: a tilt about a place half a metre away moves the point below the
+/// camera.
 tl::expected<TableEstimate, NoTable> estimate_table(const TablePoints& points,
                                                     const TableEstimateOptions& options = {});
 tl::expected<TableEstimate, NoTable> estimate_table(const SearchFrame& frame,

@@ -16,8 +16,10 @@ constexpr int kRounds = 6;
 constexpr int kFewest = 50;
 constexpr int kPatchColumns = 8;
 constexpr int kPatchRows = 6;
-constexpr double kLeastHeightDeviation = 0.001;                       ///< metres
-constexpr double kLeastTiltDeviation = 0.2 * std::numbers::pi / 180;  ///< radians
+/// What a depth camera's own calibration leaves, and one frame's residuals do not show: a shift of the plane
+/// where it was seen, and a tilt about that place.
+constexpr double kCalibrationShift = 0.001;                        ///< metres
+constexpr double kCalibrationTilt = 0.2 * std::numbers::pi / 180;  ///< radians
 
 /// Linear least squares of a small change of a plane: tilt about two axes and a shift along the normal.
 struct NormalEquations {
@@ -96,14 +98,17 @@ TableUncertainty uncertainty_of(const TablePoints& points, const TablePlane& pla
   // Few patches say little about themselves: the usual small-sample factor of clustered errors.
   const double factor = patches > 4 ? patches / (patches - 3) : 4;
   const Eigen::Matrix3d inverse = n.information.inverse();
-  const Eigen::Matrix3d covariance = factor * inverse * scores * inverse;
+  Eigen::Matrix3d covariance = factor * inverse * scores * inverse;
+  // A tilt about where the plane was seen moves the point below the camera, and with it the height.
+  const auto square = [](double v) { return v * v; };
+  covariance.diagonal() +=
+      Eigen::Vector3d(square(kCalibrationTilt), square(kCalibrationTilt), square(kCalibrationShift));
 
   TableUncertainty u;
   const Eigen::Vector3d& up = plane.up;
   const auto deviation = [&](const Eigen::Vector3d& g) {
     return std::sqrt(std::max(0.0, g.dot(covariance * g)));
   };
-  const auto with_floor = [](double value, double floor) { return std::hypot(value, floor); };
   u.height_m = deviation({-n.e1.dot(n.centre), -n.e2.dot(n.centre), 1});
   const Eigen::Matrix2d tilt = covariance.topLeftCorner<2, 2>();
   u.tilt_rad =
@@ -113,7 +118,6 @@ TableUncertainty uncertainty_of(const TablePoints& points, const TablePlane& pla
     u.pitch_rad = deviation({-n.e1.z() / std::sqrt(level2), -n.e2.z() / std::sqrt(level2), 0});
     const auto roll = [&](const Eigen::Vector3d& e) { return (up.y() * e.x() - up.x() * e.y()) / level2; };
     u.roll_rad = deviation({roll(n.e1), roll(n.e2), 0});
-    u.roll_rad = with_floor(u.roll_rad, kLeastTiltDeviation / std::sqrt(level2));
   } else {
     u.pitch_rad = u.tilt_rad;
     u.roll_rad = std::numbers::pi;
@@ -121,10 +125,6 @@ TableUncertainty uncertainty_of(const TablePoints& points, const TablePlane& pla
   for_each_inlier(points, plane, 1, [&](const Eigen::Vector3d& p, std::size_t) {
     u.surface_m = std::max(u.surface_m, deviation(n.row(p)));
   });
-  u.pitch_rad = with_floor(u.pitch_rad, kLeastTiltDeviation);
-  u.tilt_rad = with_floor(u.tilt_rad, kLeastTiltDeviation);
-  u.height_m = with_floor(u.height_m, kLeastHeightDeviation);
-  u.surface_m = with_floor(u.surface_m, kLeastHeightDeviation);
   return u;
 }
 

@@ -29,7 +29,7 @@ struct TableFit {
   TablePlane plane;
   int inliers = 0;
   double residual_m = 0;         ///< root mean square of the inliers
-  TableUncertainty uncertainty;  ///< cluster-robust, with the floors of estimate_table
+  TableUncertainty uncertainty;  ///< cluster-robust, with the calibration's share (estimate_table)
 };
 
 /// Repeats weighted least squares on the samples that lie on the plane so far, from `start`. Fewer than 50

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/hardware/vivid.h"
 
-#include <fcntl.h>
 #include <linux/v4l2-dv-timings.h>
 #include <poll.h>
-#include <unistd.h>
+#include <sys/mman.h>
 
 #include <cerrno>
 #include <cstring>
@@ -12,7 +11,6 @@
 #include <stdexcept>
 
 #include "hal/v4l2/v4l2_controls.h"
-#include "hal/v4l2/v4l2_device.h"
 
 namespace sextant::vivid {
 namespace {
@@ -21,6 +19,7 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto kPatience = 30s;
+constexpr std::uint32_t kBuffers = 3;
 
 void write_to(const char* file, const char* text) {
   std::ofstream stream(file);
@@ -65,34 +64,61 @@ void unplug() { write_to("/sys/bus/platform/drivers/vivid/unbind", "vivid.0"); }
 void plug() { write_to("/sys/bus/platform/drivers/vivid/bind", "vivid.0"); }
 
 Producer::Producer(const std::string& node, std::uint32_t fourcc, int width, int height,
-                   std::vector<std::vector<std::byte>> frames)
-    : frames_(std::move(frames)) {
-  fd_ = ::open(node.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-  if (fd_ < 0) throw std::runtime_error(node + ": " + std::strerror(errno));
-  V4l2Device device(node);
+                   std::vector<std::byte> frame)
+    : frame_(std::move(frame)), device_(node) {
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
   format.fmt.pix.width = static_cast<std::uint32_t>(width);
   format.fmt.pix.height = static_cast<std::uint32_t>(height);
   format.fmt.pix.pixelformat = fourcc;
   format.fmt.pix.field = V4L2_FIELD_NONE;
-  if (const int error = device.call(VIDIOC_S_FMT, &format))
-    throw std::runtime_error(node + ": " + error_text(error));
-  if (format.fmt.pix.sizeimage != frames_.front().size() || format.fmt.pix.pixelformat != fourcc)
+  must(VIDIOC_S_FMT, &format, "format");
+  if (format.fmt.pix.sizeimage != frame_.size() || format.fmt.pix.pixelformat != fourcc)
     throw std::runtime_error(node + " does not take frames of this size");
+  v4l2_requestbuffers request{};
+  request.count = kBuffers;
+  request.type = format.type;
+  request.memory = V4L2_MEMORY_MMAP;
+  must(VIDIOC_REQBUFS, &request, "buffers");
+  for (std::uint32_t i = 0; i < request.count; ++i) {
+    v4l2_buffer buffer = buffer_of(i);
+    must(VIDIOC_QUERYBUF, &buffer, "buffer");
+    void* data = mmap(nullptr, buffer.length, PROT_READ | PROT_WRITE, MAP_SHARED, device_.fd(),
+                      static_cast<off_t>(buffer.m.offset));
+    if (data == MAP_FAILED) throw std::runtime_error(node + ": mmap: " + error_text(errno));
+    std::memcpy(data, frame_.data(), frame_.size());
+    munmap(data, buffer.length);
+    queue(i);
+  }
+  auto type = static_cast<int>(format.type);
+  must(VIDIOC_STREAMON, &type, "stream on");
   thread_ = std::jthread([this](const std::stop_token& stop) {
-    for (std::size_t i = 0; !stop.stop_requested(); ++i) {
-      const auto& frame = frames_[i % frames_.size()];
-      pollfd polled{fd_, POLLOUT, 0};
-      ::poll(&polled, 1, 100);
-      if (::write(fd_, frame.data(), frame.size()) < 0 && errno != EAGAIN) std::this_thread::sleep_for(20ms);
+    while (!stop.stop_requested()) {
+      pollfd polled{device_.fd(), POLLOUT, 0};
+      v4l2_buffer buffer = buffer_of(0);
+      if (::poll(&polled, 1, 100) > 0 && device_.call(VIDIOC_DQBUF, &buffer) == 0) queue(buffer.index);
     }
   });
 }
 
-Producer::~Producer() {
-  thread_ = {};
-  ::close(fd_);
+v4l2_buffer Producer::buffer_of(std::uint32_t index) const {
+  v4l2_buffer buffer{};
+  buffer.index = index;
+  buffer.type = V4L2_BUF_TYPE_VIDEO_OUTPUT;
+  buffer.memory = V4L2_MEMORY_MMAP;
+  buffer.field = V4L2_FIELD_NONE;
+  buffer.bytesused = static_cast<std::uint32_t>(frame_.size());
+  return buffer;
+}
+
+void Producer::must(unsigned long request, void* argument, const char* what) const {
+  if (const int error = device_.call(request, argument))
+    throw std::runtime_error(device_.node() + ": " + what + ": " + error_text(error));
+}
+
+void Producer::queue(std::uint32_t index) const {
+  v4l2_buffer buffer = buffer_of(index);
+  must(VIDIOC_QBUF, &buffer, "queue");
 }
 
 void prepare_loop(const std::string& capture, const std::string& output) {

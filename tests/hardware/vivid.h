@@ -6,15 +6,17 @@
 //   video3            the same by the multi-planar interface
 #pragma once
 
+#include <linux/videodev2.h>
+
 #include <chrono>
 #include <optional>
-#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "hal/image_source.h"
 #include "hal/live/stream_options.h"
+#include "hal/v4l2/v4l2_device.h"
 
 namespace sextant::vivid {
 
@@ -37,19 +39,20 @@ void control(const std::string& node, const std::string& request);
 void unplug();
 void plug();
 
-/// Writes frames to an output node, again and again, until it goes. The loop-back input of the same number
-/// then shows them.
+/// Shows one frame on an output node, again and again, until it goes. The loop-back input of the same number
+/// then shows it. (By streaming: the driver refuses write(2).)
 class Producer {
  public:
   Producer(const std::string& node, std::uint32_t fourcc, int width, int height,
-           std::vector<std::vector<std::byte>> frames);
-  ~Producer();
-  Producer(const Producer&) = delete;
-  Producer& operator=(const Producer&) = delete;
+           std::vector<std::byte> frame);
 
  private:
-  int fd_ = -1;
-  std::vector<std::vector<std::byte>> frames_;
+  v4l2_buffer buffer_of(std::uint32_t index) const;
+  void must(unsigned long request, void* argument, const char* what) const;
+  void queue(std::uint32_t index) const;
+
+  std::vector<std::byte> frame_;
+  V4l2Device device_;
   std::jthread thread_;
 };
 

@@ -33,10 +33,14 @@ def need(program, package):
 
 def package_name():
     need("apt-cache", "apt")
-    for line in run("apt-cache", "depends", "linux-image-amd64").splitlines():
+    try:
+        lines = run("apt-cache", "depends", "linux-image-amd64").splitlines()
+    except subprocess.CalledProcessError:
+        lines = []
+    for line in lines:
         if "Depends:" in line and "linux-image-" in line:
             return line.split(":")[1].strip()
-    raise Missing("apt knows no linux-image-amd64")
+    raise Missing("apt knows no linux-image-amd64 (apt-get update; Debian on amd64)")
 
 
 def unpacked_package(folder, name):
@@ -104,6 +108,7 @@ class Kernel:
     """vmlinux, an initramfs and a folder of modules."""
 
     def __init__(self, build, init):
+        self.build = build
         name = package_name()
         package = unpacked_package(build, name)
         self.root = package / "root"

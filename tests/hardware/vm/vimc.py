@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The virtual media controller camera (vimc), which libcamera knows and Debian's kernel does not build.
 
+libcamera learns of cameras from udev, so the machine also gets Debian's udev, unpacked.
+
 Built out of tree from Debian's kernel source against its kernel headers, all unpacked privately in the build tree.
 Downloads some 150 MB, so only the long tests do it.
 """
 import os
+import shlex
 import shutil
 import subprocess
 
@@ -53,3 +56,14 @@ def add_vimc(kernel, build):
     place.mkdir(exist_ok=True)
     shutil.copy(folder / "vimc.ko", place)
     run(need("depmod", "kmod"), "-b", str(kernel.root), kernel.version)
+
+
+def udev_lines(build):
+    """Shell lines that start udev in the machine and let it see the cameras."""
+    root = unpacked_package(build, "udev") / "root"
+    place = "udev=%s" % shlex.quote(str(root))
+    return [place, "mkdir -p /lib/udev /lib/systemd /run/udev",
+            "cp -a $udev/lib/udev/. /lib/udev/", "cp -a $udev/lib/systemd/systemd-udevd /lib/systemd/",
+            "cp -a $udev/bin/udevadm /usr/bin/", "rm -f /run/udev/control",
+            "/lib/systemd/systemd-udevd --daemon --resolve-names=never",
+            "udevadm trigger --action=add --subsystem-match=media --subsystem-match=video4linux", "udevadm settle"]

@@ -74,6 +74,11 @@ void expect_useful(const Errors& errors, int refused = 0) {
   // The thesis's tolerances are 13.5 mm and 12 deg: the estimate must leave most of them to the object.
   EXPECT_LT(Errors::quantile(errors.height_mm, 0.5), 5);
   EXPECT_LT(Errors::quantile(errors.tilt_deg, 0.5), 1);
+  // The claim must hold, or the search's tolerance is widened by too little.
+  for (const auto& deviations : {errors.height_deviations, errors.tilt_deviations}) {
+    EXPECT_LT(Errors::quantile(deviations, 0.5), 2);
+    EXPECT_LT(Errors::quantile(deviations, 1), 3);
+  }
 }
 
 TEST(RealTables, Kinect) {

@@ -203,6 +203,27 @@ TEST(TableEstimate, TheUncertaintyHolds) {
   EXPECT_GT(within_3, kRuns * 9 / 10);
 }
 
+// A warp that tilts the whole image (as an Xtion's does by 0.3 deg) shows in no residual: the plane is right
+// where it was seen and wrong below the camera. The height's deviation must include that.
+TEST(TableEstimate, AHiddenTiltIsPartOfTheHeightsUncertainty) {
+  const TableGeometry truth = TableGeometry::from_pitch_roll(0.6, 0, 0.8);
+  const PinholeCamera camera = table_scene(truth, 1, 1).camera;
+  const Eigen::Vector3d axis = camera.ray(159.5, 119.5);
+  const Eigen::Vector3d seen = axis * (truth.camera_height_m / -truth.up_in_camera.dot(axis));
+  constexpr double kTilt = 0.3 * 0.017453292519943295;
+  for (const double sign : {-1.0, 1.0}) {
+    TableGeometry warped = TableGeometry::from_pitch_roll(0.6 + sign * kTilt, 0, 1);
+    warped.camera_height_m = -warped.up_in_camera.dot(seen);
+    const auto e = estimate_table(table_scene(warped, 2, 0.95));
+    ASSERT_TRUE(e.has_value()) << e.error().reason;
+    const double error = std::abs(e->table.camera_height_m - truth.camera_height_m);
+    EXPECT_GT(error, 0.004);  // else this scene shows nothing
+    EXPECT_LT(error / e->uncertainty.height_m, 2.5);
+    EXPECT_LT(std::abs(e->table.up_in_camera.dot(seen) + e->table.camera_height_m),
+              2 * e->uncertainty.surface_m);
+  }
+}
+
 TEST(TableEstimate, UncertaintyWidensTheSearchTolerance) {
   const TableTolerance plain{0.01, 0.1};
   const TableTolerance wide =
