@@ -7,9 +7,11 @@
 
 #include <atomic>
 #include <csignal>
+#include <future>
 #include <thread>
 
 #include "runtime/base/error.h"
+#include "runtime/daemon/last_resort.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/runtime/daemon/notify_socket.h"
 #include "tests/unit/runtime/daemon/scripted_source.h"
@@ -136,6 +138,41 @@ TEST_F(Daemon, LeavesADetectionThatDoesNotEnd) {
   sender.join();
   EXPECT_TRUE(abandoned_);
   EXPECT_EQ(publisher.statistics().published, 0U);
+}
+
+TEST_F(Daemon, AReloadThatTakesItsTimeHoldsTheEndUpAsLittleAsFrames) {
+  ScriptedSource source(1000000, [](RgbdFrame&) { std::this_thread::sleep_for(5ms); });
+  Publisher publisher(publishing());
+  std::atomic<int> reloads = 0;
+  std::atomic<bool> let_go = false;
+  run_.reload = [&]() -> std::string {
+    ++reloads;
+    while (!let_go) std::this_thread::sleep_for(1ms);
+    throw InputError("sextantd.yaml:1", "nonsense");
+  };
+  run_.ending = [&] { let_go = true; };  // is called although the reload is under way
+  std::thread sender([&] {
+    kill(getpid(), SIGHUP);
+    while (reloads == 0) std::this_thread::sleep_for(1ms);
+    const std::uint64_t before = publisher.statistics().published;
+    while (publisher.statistics().published < before + 5) std::this_thread::sleep_for(1ms);
+    kill(getpid(), SIGTERM);
+  });
+  run_daemon(source, empty_result, publisher, signals_, run_);
+  sender.join();
+  EXPECT_EQ(reloads, 1);
+  EXPECT_THAT(notify_.messages(), testing::Contains(testing::HasSubstr("RELOADING=1")));
+}
+
+TEST(LastResort, IsTakenOnlyWhenTheTimeIsOver) {
+  std::promise<void> left;
+  const LastResort soon(1ms, [&] { left.set_value(); });
+  left.get_future().wait();
+  std::atomic<bool> taken = false;
+  {
+    const LastResort in_time(1h, [&] { taken = true; });
+  }
+  EXPECT_FALSE(taken);
 }
 
 TEST_F(Daemon, ADeadDeviceIsTheCallersError) {
