@@ -18,8 +18,11 @@ class Machine:
         self.processors = processors
         self.qemu = need("qemu-system-x86_64", "qemu-system-x86")
 
-    def run(self, script, job, timeout_s):
-        """(exit code or None, the kernel's console): the script's output is copied to stdout as it comes."""
+    def run(self, script, job, timeout_s, systemd=False):
+        """(exit code or None, the kernel's console): the script's output is copied to stdout as it comes.
+
+        With systemd, that is PID 1 and the script one of its services.
+        """
         (job / "job.sh").write_text(script)
         for name in ("out", "code", "console"):
             (job / name).write_bytes(b"")
@@ -31,7 +34,7 @@ class Machine:
             self.qemu, "-machine", "q35,usb=off,vmport=off,smbus=off,hpet=off", "-accel", "tcg,thread=multi", "-cpu", "max",
             "-m", str(self.memory_mib), "-smp", str(self.processors), "-no-user-config", "-nodefaults", "-display", "none",
             "-no-reboot", "-kernel", str(self.kernel.image), "-initrd", str(self.kernel.initramfs),
-            "-append", "console=ttyS0 quiet loglevel=4 panic=-1 mitigations=off tsc=reliable random.trust_cpu=on vmjob=%s" % job,
+            "-append", "console=ttyS0 quiet loglevel=4 panic=-1 mitigations=off tsc=reliable random.trust_cpu=on vmjob=%s%s" % (job, " vmsystemd systemd.show_status=0" if systemd else ""),
             "-chardev", "file,id=console,path=%s" % (job / "console"), "-serial", "chardev:console",
             "-device", "virtio-serial-pci",
             "-chardev", "file,id=out,path=%s" % out, "-device", "virtserialport,chardev=out,name=out",
