@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <memory>
 #include <random>
 #include <vector>
@@ -37,7 +38,7 @@ double number_or_auto(const std::string& text, const char* what) {
   try {
     std::size_t used = 0;
     const double number = std::stod(text, &used);
-    if (used == text.size()) return number;
+    if (used == text.size() && !std::isnan(number)) return number;
   } catch (const std::exception&) {
     // No number: refused below.
   }
@@ -53,9 +54,7 @@ int run_ask(const AskOptions& options, Command command, std::FILE* out) {
   const StopOnSignal signals;
   const DdsLog log(print_warning);
   command.request_id = new_request_id();
-  CommandServerOptions topics;
-  topics.name_space = options.name_space;
-  CommandClient client(options.domain, topics, print_warning);
+  CommandClient client(options.domain, options.topics, print_warning);
   const auto timeout = std::chrono::milliseconds(static_cast<std::int64_t>(1000 * options.timeout_s));
   const auto answer = client.ask(command, timeout, [&] { return signals.requested(); });
   if (!answer) {
@@ -83,16 +82,23 @@ CLI::App* add_ask_command(CLI::App& app, int& exit_code) {
       "3 failed, 4 no answer.");
   ask->require_subcommand(1);
 
+  // On the parent: options with an environment variable are read for subcommands that were not chosen, too.
+  AskOptions& o = question->options;
+  ask->add_option("--domain", o.domain, "DDS domain, 0..230")
+      ->envname("ROS_DOMAIN_ID")
+      ->check(CLI::Range(0, 230))
+      ->capture_default_str();
+  ask->add_option("--namespace", o.topics.name_space, "publish.namespace of the daemon");
+  ask->add_option("--command-topic", o.topics.command_topic, "commands.command of the daemon")
+      ->capture_default_str();
+  ask->add_option("--answer-topic", o.topics.answer_topic, "commands.answer of the daemon")
+      ->capture_default_str();
+  ask->add_option("--timeout-s", o.timeout_s, "give up after so many seconds")->capture_default_str();
+  ask->add_flag("--json", o.json, "one JSON object");
+
   const auto add = [&](const std::string& name, const std::string& text, CommandKind kind) {
     CLI::App* command = ask->add_subcommand(name, text);
-    AskOptions& o = question->options;
-    command->add_option("--domain", o.domain, "DDS domain, 0..230")
-        ->envname("ROS_DOMAIN_ID")
-        ->check(CLI::Range(0, 230))
-        ->capture_default_str();
-    command->add_option("--namespace", o.name_space, "publish.namespace of the daemon");
-    command->add_option("--timeout-s", o.timeout_s, "give up after so many seconds")->capture_default_str();
-    command->add_flag("--json", o.json, "one JSON object");
+    command->fallthrough();
     command->callback([question, kind, &exit_code] {
       Question& q = *question;
       q.command.kind = kind;

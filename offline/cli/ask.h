@@ -7,14 +7,15 @@
 #include <string>
 
 #include "runtime/publish/command.h"
+#include "runtime/publish/command_server.h"
 
 namespace sextant {
 
 /// Options that all questions share.
 struct AskOptions {
-  unsigned domain = 0;       ///< 0..230
-  std::string name_space{};  ///< as publish.namespace of the daemon
-  double timeout_s = 20;     ///< for the answer
+  unsigned domain = 0;          ///< 0..230
+  CommandServerOptions topics;  ///< as the daemon's publish.namespace and commands.*
+  double timeout_s = 20;        ///< for the answer
   bool json = false;
   bool require = false;  ///< a look that finds nothing is exit code 1
 };

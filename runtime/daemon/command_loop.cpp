@@ -14,15 +14,8 @@ constexpr std::chrono::milliseconds kSlice{50};
 
 }  // namespace
 
-CommandLoop::CommandLoop(CommandServer& server, DetectionService& service,
-                         std::function<std::string()> reload, std::chrono::milliseconds look_patience,
-                         std::function<void(const std::string&)> failed)
-    : server_(server),
-      service_(service),
-      reload_(std::move(reload)),
-      look_patience_(look_patience),
-      failed_(std::move(failed)),
-      thread_([this] { run(); }) {}
+CommandLoop::CommandLoop(CommandServer& server, DetectionService& service, CommandLoopOptions options)
+    : server_(server), service_(service), options_(std::move(options)), thread_([this] { run(); }) {}
 
 CommandLoop::~CommandLoop() {
   stop_ = true;
@@ -36,16 +29,19 @@ void CommandLoop::run() {
       service_.expire_looks();
     }
   } catch (const std::exception& error) {
-    failed_(error.what());
+    options_.failed(error.what());
   }
 }
 
 void CommandLoop::carry_out(const Command& command) {
-  const auto answer = [this](const CommandAnswer& a) { server_.answer(a); };
-  if (command.kind == CommandKind::kLook) return service_.look(command, answer, look_patience_);
+  const auto answer = [this, command](const CommandAnswer& a) {
+    server_.answer(a);
+    if (options_.answered) options_.answered(command, a);
+  };
+  if (command.kind == CommandKind::kLook) return service_.look(command, answer, options_.look_patience);
   if (command.kind != CommandKind::kReload) return answer(service_.execute(command));
   try {
-    answer(service_.answer_to(command, CommandResult::kDone, reload_()));
+    answer(service_.answer_to(command, CommandResult::kDone, options_.reload()));
   } catch (const DoorError& error) {
     answer(service_.answer_to(command, CommandResult::kFailed, error.what()));
   }

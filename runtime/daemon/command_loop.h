@@ -13,13 +13,21 @@
 
 namespace sextant {
 
+struct CommandLoopOptions {
+  /// Reads the configuration again and returns what was done in words; throws DoorError and then has changed
+  /// nothing.
+  std::function<std::string()> reload;
+  std::chrono::milliseconds look_patience{10000};
+  /// Told of every command that was answered, and how. From any thread.
+  std::function<void(const Command&, const CommandAnswer&)> answered;
+  /// DDS fails and the thread has ended.
+  std::function<void(const std::string&)> failed;
+};
+
 class CommandLoop {
  public:
-  /// `reload` reads the configuration again and returns what was done in words; it throws DoorError and then
-  /// has changed nothing. `failed` is called when DDS fails and the thread ends. All must live longer than
-  /// this.
-  CommandLoop(CommandServer& server, DetectionService& service, std::function<std::string()> reload,
-              std::chrono::milliseconds look_patience, std::function<void(const std::string&)> failed);
+  /// All must live longer than this.
+  CommandLoop(CommandServer& server, DetectionService& service, CommandLoopOptions options);
   ~CommandLoop();
   CommandLoop(const CommandLoop&) = delete;
   CommandLoop& operator=(const CommandLoop&) = delete;
@@ -30,9 +38,7 @@ class CommandLoop {
 
   CommandServer& server_;
   DetectionService& service_;
-  std::function<std::string()> reload_;
-  std::chrono::milliseconds look_patience_;
-  std::function<void(const std::string&)> failed_;
+  CommandLoopOptions options_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

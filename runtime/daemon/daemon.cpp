@@ -5,7 +5,7 @@
 #include <pthread.h>
 #include <spdlog/spdlog.h>
 
-#include <cerrno>
+#include <future>
 #include <mutex>
 
 #include "runtime/base/error.h"
@@ -161,16 +161,36 @@ std::optional<int> SignalWaiter::wait(milliseconds timeout) {
 
 namespace {
 
-void reload(const DaemonRun& run, Reporter& reporter) {
-  if (!run.reload) return;
-  reporter.reloading();
-  try {
-    spdlog::info("SIGHUP: {}", run.reload());
-  } catch (const DoorError& error) {
-    spdlog::error("SIGHUP: nothing has changed: {}", error.what());
+/// SIGHUP, done beside the loop that waits for signals: reading models takes its time, and SIGTERM must not
+/// wait for it.
+class Reloading {
+ public:
+  Reloading(const DaemonRun& run, const Reporter& reporter) : run_(run), reporter_(reporter) {}
+
+  void ask() { asked_ = static_cast<bool>(run_.reload); }
+  /// Begins what was asked for, when nothing of it is under way.
+  void go_on() {
+    if (!asked_ || (task_.valid() && task_.wait_for(milliseconds(0)) != std::future_status::ready)) return;
+    asked_ = false;
+    task_ = std::async(std::launch::async, [this] { reload(); });
   }
-  reporter.ready();
-}
+
+ private:
+  void reload() const {
+    reporter_.reloading();
+    try {
+      spdlog::info("SIGHUP: {}", run_.reload());
+    } catch (const std::exception& error) {
+      spdlog::error("SIGHUP: nothing has changed: {}", error.what());
+    }
+    reporter_.ready();
+  }
+
+  const DaemonRun& run_;
+  const Reporter& reporter_;
+  bool asked_ = false;
+  std::future<void> task_;  // waits for its end when it is destroyed
+};
 
 /// The topics without memory reach only those who already listen. False: a signal came.
 bool wait_for_listener(const Publisher& publisher, SignalWaiter& signals, milliseconds patience) {
@@ -189,23 +209,31 @@ void run_daemon(FrameSource& source, const DetectFunction& detect, Publisher& pu
   Reporter reporter(run);
   if (run.pipeline.once && !wait_for_listener(publisher, signals, run.once_wait)) return;
   const auto publish = [&](const FrameResult& result, const RgbdFrame& frame) {
-    publisher.publish(result, std::chrono::duration<double>(Clock::now() - frame.captured_monotonic).count());
-    if (run.draw && publisher.annotated_wanted())
-      publisher.publish_annotated(result, run.draw(frame, result));
+    const auto age_s = [&] {
+      return std::chrono::duration<double>(Clock::now() - frame.captured_monotonic).count();
+    };
+    publisher.publish(result, age_s());
+    if (run.draw && publisher.annotated_wanted()) {
+      const cv::Mat drawn = run.draw(frame, result);
+      publisher.publish_annotated(result, drawn, age_s());
+    }
     reporter.result(result);
   };
   Pipeline pipeline(source, detect, publish, run.pipeline,
                     [&](const FrameReport& report) { reporter.frame(report); });
   reporter.ready();
+  Reloading reloading(run, reporter);
   bool asked_to_end = false;
   while (!asked_to_end && !pipeline.wait(milliseconds(0))) {
     const auto signal = signals.wait(kSlice);
     if (signal && *signal == SIGHUP) {
-      reload(run, reporter);
+      reloading.ask();
     } else if (signal) {
       spdlog::info("{}: ending", *signal == SIGTERM ? "SIGTERM" : "SIGINT");
       asked_to_end = true;
+      if (run.ending) run.ending();
     }
+    reloading.go_on();
     reporter.waiting(pipeline, source);
     reporter.diagnostics(pipeline, source, publisher);
     reporter.statistics(pipeline, source, publisher, false);

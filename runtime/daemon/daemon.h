@@ -35,13 +35,15 @@ struct DaemonRun {
       3000};  ///< with pipeline.once: for a reader, and for its acknowledgement
   std::chrono::milliseconds diagnostics_period{1000};
   std::string hardware_id = "sextantd";  ///< in diagnostics
+  /// Called as soon as a signal asks for the end. May be empty.
+  std::function<void()> ending{};
   /// Asks a detection that is under way to end soon. May be empty.
   std::function<void()> cancel{};
   /// Called when a signal asks for the end and a detection still runs after 0.7 s: nothing of it will be
   /// published. The daemon leaves the process here; may return in tests.
   std::function<void()> abandon{};
-  /// Called on SIGHUP: reads the configuration again and says what was done; throws DoorError and then has
-  /// changed nothing. May be empty.
+  /// Called on SIGHUP, in another thread: reads the configuration again and says what was done; throws
+  /// DoorError and then has changed nothing. May be empty.
   std::function<std::string()> reload{};
   /// Draws the annotated image; called only while someone listens to it. May be empty.
   std::function<cv::Mat(const RgbdFrame&, const FrameResult&)> draw{};

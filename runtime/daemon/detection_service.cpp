@@ -37,6 +37,7 @@ struct State {
   std::vector<Known> models;  // in the detector's order
   DetectOptions options;
   std::vector<std::filesystem::path> folders;
+  double max_look_age_ms = 0;
   ImageRegion region{};
   std::optional<double> deadline_ms;   // instead of the options'
   std::shared_ptr<Detector> detector;  // of all models; none without models
@@ -63,6 +64,7 @@ State begin(DetectionSetup setup) {
   State state;
   state.options = std::move(setup.options);
   state.folders = std::move(setup.model_folders);
+  state.max_look_age_ms = setup.max_look_age_ms;
   std::vector<ObjectModel> models;
   for (LoadedModel& loaded : setup.models) {
     state.models.push_back(known(loaded));
@@ -89,7 +91,8 @@ struct DetectionService::Impl {
   ModelsChanged models_changed;
   std::atomic<bool> cancelled = false;
   std::mutex change_mutex;   // one change at a time
-  mutable std::mutex mutex;  // guards `state`, `looks`
+  mutable std::mutex mutex;  // guards the rest
+  cv::Size image_size;       // of the last frame; empty before the first
   std::shared_ptr<const State> state;
   std::vector<Look> looks;
 
@@ -113,6 +116,15 @@ struct DetectionService::Impl {
     return found;
   }
 
+  cv::Size last_image_size() const {
+    const std::lock_guard lock(mutex);
+    return image_size;
+  }
+  void remember(const RgbdFrame& frame) {
+    const std::lock_guard lock(mutex);
+    image_size = frame.colour.size();
+  }
+
   /// Indices of the objects that a command means.
   static std::vector<std::size_t> meant(const State& s, const std::string& name) {
     std::vector<std::size_t> all;
@@ -132,7 +144,7 @@ struct DetectionService::Impl {
 
   /// Changes the copy `s` of the state; returns what was done, in words. Throws without having changed
   /// anything that counts.
-  static std::string change(State& s, const Command& c, bool& models_differ) {
+  static std::string change(State& s, const Command& c, const cv::Size& image, bool& models_differ) {
     const std::string whom = c.object_name.empty() ? "every object" : c.object_name;
     switch (c.kind) {
       case CommandKind::kStatus:
@@ -175,6 +187,11 @@ struct DetectionService::Impl {
         if (c.region != ImageRegion{} && (c.region[2] < kSmallestRegion || c.region[3] < kSmallestRegion)) {
           refuse(fmt::format("a region of {} x {} pixels is too small", c.region[2], c.region[3]),
                  fmt::format("use at least {0} x {0}, or 0 0 0 0 for the whole image", kSmallestRegion));
+        }
+        try {
+          if (!image.empty()) check_region(c.region, image.width, image.height);
+        } catch (const InputError& error) {
+          refuse(error.what());
         }
         s.region = c.region;
         if (c.region == ImageRegion{}) return "looking at the whole image";
@@ -261,6 +278,7 @@ DetectionService::DetectionService(DetectionSetup setup, ModelsChanged models_ch
 DetectionService::~DetectionService() = default;
 
 FrameResult DetectionService::detect(const RgbdFrame& frame) {
+  impl_->remember(frame);
   const std::shared_ptr<const State> s = impl_->now();
   const std::vector<Look> waiting = impl_->looks_for(frame);
   const auto tell = [&](const Look& look, CommandAnswer answer) { look.answer(std::move(answer)); };
@@ -288,13 +306,21 @@ FrameResult DetectionService::detect(const RgbdFrame& frame) {
       tell(look, answer_to(look.command, CommandResult::kFailed, "the daemon is ending"));
       continue;
     }
+    const double age_s = std::chrono::duration<double>(Clock::now() - frame.captured_monotonic).count();
+    if (1e3 * age_s > s->max_look_age_ms) {
+      tell(look, answer_to(look.command, CommandResult::kFailed,
+                           fmt::format("the result was {:.0f} ms old, allowed are {:.0f} "
+                                       "(pipeline.max_age_ms)",
+                                       1e3 * age_s, s->max_look_age_ms)));
+      continue;
+    }
     const std::string& name = look.command.object_name;
     FrameResult part = part_of(result, [&](const std::string& n) { return name.empty() || n == name; });
     const std::size_t poses = part.estimates.size();
     CommandAnswer answer = answer_to(look.command, CommandResult::kDone,
                                      fmt::format("looked once: {} pose{}", poses, poses == 1 ? "" : "s"));
     answer.look = std::move(part);
-    answer.look_age_s = std::chrono::duration<double>(Clock::now() - frame.captured_monotonic).count();
+    answer.look_age_s = age_s;
     tell(look, std::move(answer));
   }
   if (waiting.empty()) return result;
@@ -311,7 +337,7 @@ CommandAnswer DetectionService::execute(const Command& command) {
   State next = *impl_->now();
   bool models_differ = false;
   try {
-    std::string done = Impl::change(next, command, models_differ);
+    std::string done = Impl::change(next, command, impl_->last_image_size(), models_differ);
     impl_->set(next);
     if (models_differ && impl_->models_changed) impl_->models_changed(next.copy_of_models());
     return answer_to(command, CommandResult::kDone, std::move(done));

@@ -20,6 +20,7 @@ struct DetectionSetup {
   std::vector<LoadedModel> models;
   DetectOptions options;
   std::vector<std::filesystem::path> model_folders;  ///< from which commands may load
+  double max_look_age_ms = 600'000;                  ///< from capture to the answer of a look
 };
 
 class DetectionService {
@@ -42,7 +43,8 @@ class DetectionService {
 
   /// Does everything but kLook and kReload, and says what became of it.
   CommandAnswer execute(const Command& command);
-  /// Answers later: from detect(), or from expire_looks() when no frame came within the patience.
+  /// Answers later: from detect(), or from expire_looks() when no frame came within the patience. A result
+  /// that is older than max_look_age_ms is kFailed, never given out as fresh.
   void look(const Command& command, std::function<void(const CommandAnswer&)> answer,
             std::chrono::milliseconds patience, Clock::time_point now = Clock::now());
   void expire_looks(Clock::time_point now = Clock::now());

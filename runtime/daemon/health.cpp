@@ -87,8 +87,9 @@ DiagnosticStatus Health::pipeline_part(const HealthInput& now, double seconds) c
   const std::uint64_t published = p.published - b.published;
   const std::uint64_t late = p.too_old - b.too_old + (p.stale - b.stale);
   const std::uint64_t failed = p.failed - b.failed;
-  part.message =
-      fmt::format("{} published, {} too late, {} failed since the last report", published, late, failed);
+  const std::uint64_t dropped = p.dropped - b.dropped + (p.unpublished - b.unpublished);
+  part.message = fmt::format("{} published, {} dropped for newer ones, {} too late, {} failed", published,
+                             dropped, late, failed);
   if (late + failed > 0) part.level = DiagnosticLevel::kWarn;
   if (published == 0) part.level = late + failed > 0 ? DiagnosticLevel::kError : DiagnosticLevel::kStale;
   return part;
@@ -122,10 +123,11 @@ DiagnosticStatus Health::search_part() const {
     bounded += object.status == SearchStatus::kBounded ? 1 : 0;
   }
   part.values.push_back(value("nodes", nodes_));
-  part.message = outcomes_.empty() ? "nothing is looked for"
-                 : bounded > 0
-                     ? fmt::format("{} of {} objects without proof (deadline)", bounded, outcomes_.size())
-                     : fmt::format("{} objects, each proven", outcomes_.size());
+  part.message =
+      outcomes_.empty() ? "nothing is looked for"
+      : bounded > 0
+          ? fmt::format("{} of {} objects without proof (deadline)", bounded, outcomes_.size())
+          : fmt::format("{} object{}, each proven", outcomes_.size(), outcomes_.size() == 1 ? "" : "s");
   if (bounded > 0) part.level = DiagnosticLevel::kWarn;
   return part;
 }
@@ -133,10 +135,12 @@ DiagnosticStatus Health::search_part() const {
 DiagnosticStatus Health::dds_part(const HealthInput& now) const {
   DiagnosticStatus part;
   part.name = "sextantd: DDS";
-  part.values = {value("readers", now.readers), value("writes_timed_out", now.publisher.timeouts)};
-  const std::uint64_t lost = now.publisher.timeouts - before_.publisher.timeouts;
+  const PublisherStatistics &p = now.publisher, &b = before_.publisher;
+  part.values = {value("readers", now.readers), value("writes_timed_out", p.timeouts),
+                 value("messages_too_old", p.too_old)};
+  const std::uint64_t lost = p.timeouts - b.timeouts + (p.too_old - b.too_old);
   part.message = lost > 0 ? fmt::format("{} messages lost: a reliable reader does not keep up", lost)
-                          : fmt::format("{} readers", now.readers);
+                          : fmt::format("{} reader{}", now.readers, now.readers == 1 ? "" : "s");
   if (lost > 0) part.level = DiagnosticLevel::kWarn;
   return part;
 }

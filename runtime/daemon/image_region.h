@@ -11,8 +11,12 @@ namespace sextant {
 /// Smallest width and height of a region, pixels.
 inline constexpr std::uint32_t kSmallestRegion = 32;
 
-/// The part of the frame inside the region (not copied), or the frame itself for an all-zero one. Throws
-/// InputError where less than kSmallestRegion of the region lies inside the image.
+/// Throws InputError where less than kSmallestRegion of the region lies inside an image of that size. All
+/// zero is good.
+void check_region(const ImageRegion& region, int width, int height);
+
+/// The part of the frame inside the region (not copied), or the frame itself for an all-zero one. Throws as
+/// check_region does.
 RgbdFrame cut_to_region(const RgbdFrame& frame, const ImageRegion& region);
 
 /// Boxes of a result of the cut frame in pixels of the whole one.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "runtime/daemon/model_store.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "runtime/base/error.h"
@@ -36,8 +38,12 @@ std::filesystem::path allowed_model_file(const std::string& name,
       continue;
     if (std::filesystem::is_regular_file(file, error)) return file;
   }
-  throw InputError("model_file", "there is no such model in the folders of models.files",
-                   "put it beside the models of the configuration and name it without a folder");
+  std::vector<std::string> names;
+  for (const std::filesystem::path& folder : folders) names.push_back(folder.string());
+  throw InputError(
+      fmt::format("model_file '{}'", name), "there is no such model where models are taken from",
+      names.empty() ? "models.files of the configuration names no folder"
+                    : fmt::format("put it into {} and name it without a folder", fmt::join(names, " or ")));
 }
 
 }  // namespace sextant

@@ -23,12 +23,18 @@
 #include "runtime/daemon/config_reload.h"
 #include "runtime/daemon/daemon.h"
 #include "runtime/daemon/detection_service.h"
+#include "runtime/daemon/last_resort.h"
 #include "runtime/daemon/object_shapes.h"
 #include "runtime/daemon/service_notifier.h"
 #include "runtime/publish/dds_log.h"
+#include "runtime/publish/dds_settings.h"
+#include "runtime/publish/message_check.h"
 
 namespace sextant {
 namespace {
+
+/// From the signal to leaving, within a second.
+constexpr std::chrono::milliseconds kPatienceAtTheEnd{900};
 
 /// What the command line asks for.
 struct Arguments {
@@ -37,6 +43,12 @@ struct Arguments {
   bool once = false;
   bool reference = false;
 };
+
+/// Without waiting for threads that still run; nothing that they use is taken away from them.
+[[noreturn]] void leave_process() {
+  spdlog::default_logger_raw()->flush();
+  std::_Exit(static_cast<int>(ExitCode::kDone));
+}
 
 DetectionSetup detection_setup(const DaemonConfig& config) {
   DetectionSetup setup;
@@ -47,7 +59,31 @@ DetectionSetup detection_setup(const DaemonConfig& config) {
   }
   setup.options = detect_options(config);
   setup.model_folders = model_folders(config);
+  setup.max_look_age_ms = config.pipeline.max_age_ms;
   return setup;
+}
+
+/// Lines that others can cause as often as they like, at a limited rate. From any thread.
+class LimitedLog {
+ public:
+  void operator()(spdlog::level::level_enum level, const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    std::uint64_t held_back = 0;
+    if (!limiter_.pass(RateLimiter::Clock::now(), held_back)) return;
+    spdlog::log(level, "{}{}", line,
+                held_back > 0 ? fmt::format(" ({} such lines held back)", held_back) : "");
+  }
+
+ private:
+  std::mutex mutex_;
+  RateLimiter limiter_{5, std::chrono::seconds(10)};
+};
+
+/// What was asked and what became of it, for the log.
+std::string in_words(const Command& command, const CommandAnswer& answer) {
+  // The message may repeat what a stranger wrote.
+  return fmt::format("command {} ({}): {}", to_string(command.kind), command.request_id,
+                     printable(answer.message.c_str()));
 }
 
 ObjectShapes shapes_of(const DetectionSetup& setup) {
@@ -103,6 +139,9 @@ class RunningConfig {
 };
 
 void run(const std::string& file, const DaemonConfig& config, bool once, SignalWaiter& signals) {
+  use_dds_defaults();
+  // The first to be made and the last to go: everything below has to end in time.
+  std::optional<LastResort> last_resort;
   const DdsLog dds_log([](const std::string& line) { spdlog::warn("DDS: {}", line); });
   DetectionSetup setup = detection_setup(config);
   PublisherOptions publishing = publisher_options(config);
@@ -116,14 +155,8 @@ void run(const std::string& file, const DaemonConfig& config, bool once, SignalW
     publisher->set_object_shapes(shapes);
   });
 
-  std::mutex limiter_mutex;
-  RateLimiter limiter(5, std::chrono::seconds(10));
-  const WarnFunction warn = [&](const std::string& line) {
-    const std::lock_guard lock(limiter_mutex);
-    std::uint64_t held_back = 0;
-    if (limiter.pass(RateLimiter::Clock::now(), held_back))
-      spdlog::warn("{} ({} held back)", line, held_back);
-  };
+  LimitedLog network_log, command_log;
+  const WarnFunction warn = [&](const std::string& line) { network_log(spdlog::level::warn, line); };
   publisher = open_patiently([&] { return std::make_unique<Publisher>(publishing, warn); }, once, signals);
   if (!publisher) return;
   spdlog::info("publishing on DDS domain {}", publishing.domain);
@@ -137,10 +170,16 @@ void run(const std::string& file, const DaemonConfig& config, bool once, SignalW
   std::unique_ptr<CommandLoop> command_loop;
   if (!once && !config.commands.command.empty()) {
     commands = std::make_unique<CommandServer>(publisher->participant(), command_options(config), warn);
-    command_loop = std::make_unique<CommandLoop>(
-        *commands, service, reload,
-        std::chrono::milliseconds(static_cast<std::int64_t>(config.commands.look_patience_ms)),
-        [](const std::string& why) { spdlog::error("commands are off: {}", why); });
+    CommandLoopOptions options;
+    options.reload = reload;
+    options.look_patience =
+        std::chrono::milliseconds(static_cast<std::int64_t>(config.commands.look_patience_ms));
+    options.answered = [&](const Command& command, const CommandAnswer& answer) {
+      command_log(answer.result == CommandResult::kDone ? spdlog::level::info : spdlog::level::warn,
+                  in_words(command, answer));
+    };
+    options.failed = [](const std::string& why) { spdlog::error("commands are off: {}", why); };
+    command_loop = std::make_unique<CommandLoop>(*commands, service, std::move(options));
   }
 
   DaemonRun options;
@@ -151,16 +190,20 @@ void run(const std::string& file, const DaemonConfig& config, bool once, SignalW
       std::chrono::milliseconds(static_cast<std::int64_t>(config.publish.diagnostics_period_ms));
   if (!config.publish.name_space.empty()) options.hardware_id = config.publish.name_space;
   options.reload = reload;
+  options.ending = [&] {
+    last_resort.emplace(kPatienceAtTheEnd, [] {
+      spdlog::warn("something does not end in time and is left behind");
+      leave_process();
+    });
+  };
   options.cancel = [&] { service.cancel(); };
   options.draw = [&](const RgbdFrame& frame, const FrameResult& result) {
     const std::lock_guard lock(shapes_mutex);
     return annotate(frame, result, shapes);
   };
   options.abandon = [&] {
-    command_loop.reset();
-    publisher.reset();  // readers learn at once that we are gone
-    spdlog::shutdown();
-    std::_Exit(static_cast<int>(ExitCode::kDone));
+    publisher->leave();  // readers learn at once that we are gone
+    leave_process();
   };
   std::optional<TableLocator> locator;
   if (const auto table = table_options(config)) locator.emplace(*table);

@@ -27,6 +27,9 @@ enum class CommandKind : std::uint8_t {
   kReload = 9,
 };
 
+/// As `sextant ask` spells it, e.g. "look"; "kind 17" for one that nobody knows.
+std::string to_string(CommandKind kind);
+
 /// x, y, width, height in pixels of the source image; all zero: the whole image.
 using ImageRegion = std::array<std::uint32_t, 4>;
 

@@ -10,6 +10,7 @@
 #include "runtime/base/error.h"
 #include "runtime/publish/command_messages.h"
 #include "runtime/publish/message_check.h"
+#include "runtime/publish/topic_reader.h"
 #include "runtime/publish/topic_writer.h"
 #include "runtime/publish/topics.h"
 
@@ -32,9 +33,8 @@ struct CommandServer::Impl {
   };
 
   WarnFunction warn;
-  std::string topic;
   TopicWriter answers;
-  DdsEntity reader, waitset;
+  TopicReader commands;
   std::mutex mutex;  // guards `requests`
   std::deque<Request> requests;
 
@@ -65,51 +65,31 @@ struct CommandServer::Impl {
 CommandServer::CommandServer(std::int32_t participant, const CommandServerOptions& options, WarnFunction warn)
     : impl_(std::make_unique<Impl>()) {
   impl_->warn = std::move(warn);
-  impl_->topic = dds_topic_name(options.name_space, options.command_topic);
-  QosProfile reliable;
-  reliable.depth = kHistory;
-  impl_->answers = TopicWriter(participant, dds_topic_name(options.name_space, options.answer_topic),
-                               topic_type<CommandAnswerMessage>(), reliable);
   QosProfile profile;
-  profile.reliable = false;
   profile.depth = kHistory;
-  const TopicType type = topic_type<CommandMessage>();
-  profile.type_hash = type.hash;
-  const QosPointer qos = make_qos(profile);
-  const dds_entity_t topic =
-      check_dds(dds_create_topic(participant, type.descriptor, impl_->topic.c_str(), nullptr, nullptr),
-                "cannot create topic " + impl_->topic);
-  impl_->reader =
-      DdsEntity(dds_create_reader(participant, topic, qos.get(), nullptr), "cannot read " + impl_->topic);
-  impl_->waitset = DdsEntity(dds_create_waitset(participant), "cannot create a waitset");
-  const dds_entity_t unread =
-      check_dds(dds_create_readcondition(impl_->reader.get(), DDS_ANY_STATE), "cannot wait");
-  check_dds(dds_waitset_attach(impl_->waitset.get(), unread, 0), "cannot wait");
+  impl_->answers = TopicWriter(participant, dds_topic_name(options.name_space, options.answer_topic),
+                               topic_type<CommandAnswerMessage>(), profile);
+  profile.reliable = false;
+  impl_->commands = TopicReader(participant, dds_topic_name(options.name_space, options.command_topic),
+                                topic_type<CommandMessage>(), profile);
 }
 
 CommandServer::~CommandServer() = default;
 
 std::vector<Command> CommandServer::poll(std::chrono::milliseconds timeout) {
-  dds_attach_t triggered = 0;
-  check_dds(dds_waitset_wait(impl_->waitset.get(), &triggered, 1, DDS_MSECS(timeout.count())), "cannot wait");
+  impl_->commands.wait(timeout);
   std::vector<Command> commands;
-  for (int i = 0; i < kMostAtOnce; ++i) {
-    void* sample = nullptr;
-    dds_sample_info_t info{};
-    if (check_dds(dds_take(impl_->reader.get(), &sample, &info, 1, 1), "cannot read " + impl_->topic) == 0)
-      break;
-    std::optional<Command> command;
-    if (info.valid_data) {
-      const auto& message = *static_cast<const CommandMessage*>(sample);
-      try {
-        check_message(message, impl_->topic);
-        command = to_command(message);
-      } catch (const InputError& error) {
-        if (impl_->warn) impl_->warn(error.what());
-      }
+  const auto look_at = [&](const void* sample) {
+    const auto& message = *static_cast<const CommandMessage*>(sample);
+    try {
+      check_message(message, impl_->commands.topic());
+      Command command = to_command(message);
+      if (impl_->is_new(command.request_id)) commands.push_back(std::move(command));
+    } catch (const InputError& error) {
+      if (impl_->warn) impl_->warn(error.what());
     }
-    check_dds(dds_return_loan(impl_->reader.get(), &sample, 1), "cannot return a message");
-    if (command && impl_->is_new(command->request_id)) commands.push_back(std::move(*command));
+  };
+  for (int i = 0; i < kMostAtOnce && impl_->commands.take(look_at); ++i) {
   }
   return commands;
 }

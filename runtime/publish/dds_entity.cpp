@@ -9,8 +9,12 @@
 namespace sextant {
 
 dds_return_t check_dds(dds_return_t code, const std::string& doing, const std::string& advice) {
-  if (code < 0) throw DeviceError("DDS", fmt::format("{}: {}", doing, dds_strretcode(code)), advice);
-  return code;
+  if (code >= 0) return code;
+  throw DeviceError(
+      "DDS", fmt::format("{}: {}", doing, dds_strretcode(code)),
+      code == DDS_RETCODE_NOT_ALLOWED_BY_SECURITY
+          ? "this identity's permissions do not allow it (roles: config/security/make-identities)"
+          : advice);
 }
 
 DdsEntity create_participant(unsigned domain) {

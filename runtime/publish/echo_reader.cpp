@@ -6,10 +6,9 @@
 #include <utility>
 
 #include "runtime/base/error.h"
-#include "runtime/publish/dds_entity.h"
-#include "runtime/publish/dds_qos.h"
 #include "runtime/publish/message_check.h"
 #include "runtime/publish/message_text.h"
+#include "runtime/publish/topic_reader.h"
 
 namespace sextant {
 
@@ -51,6 +50,10 @@ KindTraits traits_of(TopicKind kind) {
       return traits<TableEstimateMessage>();
     case TopicKind::kDiagnostics:
       return traits<DiagnosticArrayMessage>();
+    case TopicKind::kCommand:
+      return traits<CommandMessage>();
+    case TopicKind::kCommandAnswer:
+      return traits<CommandAnswerMessage>();
     case TopicKind::kPoseEstimates:
       break;
   }
@@ -60,96 +63,70 @@ KindTraits traits_of(TopicKind kind) {
 }  // namespace
 
 struct EchoReader::Impl {
-  std::string topic;
   KindTraits traits{};
   std::function<void(const EchoMessage&)> receive;
   WarnFunction warn;
-  DdsEntity participant, reader, waitset;
+  DdsEntity participant;
+  TopicReader reader;
   std::uint64_t refused = 0;
 
   void tell(const std::string& what) const {
-    if (warn) warn(topic + ": " + what);
+    if (warn) warn(reader.topic() + ": " + what);
   }
 
   void report_status() const {
     dds_requested_incompatible_qos_status_t incompatible{};
-    check_dds(dds_get_requested_incompatible_qos_status(reader.get(), &incompatible), "cannot read a status");
+    check_dds(dds_get_requested_incompatible_qos_status(reader.handle(), &incompatible),
+              "cannot read a status");
     if (incompatible.total_count_change != 0) {
       tell("a publisher offers too little: " +
            policy_in_words(static_cast<dds_qos_policy_id_t>(incompatible.last_policy_id)));
     }
     dds_liveliness_changed_status_t liveliness{};
-    check_dds(dds_get_liveliness_changed_status(reader.get(), &liveliness), "cannot read a status");
+    check_dds(dds_get_liveliness_changed_status(reader.handle(), &liveliness), "cannot read a status");
     if (liveliness.alive_count_change < 0) tell("a publisher has gone");
   }
 
-  /// Takes one message; returns false when there was none. `handed_over`: it was valid and passed on.
-  bool take_one(bool& handed_over) {
-    handed_over = false;
-    void* sample = nullptr;
-    dds_sample_info_t info{};
-    if (check_dds(dds_take(reader.get(), &sample, &info, 1, 1), "cannot read " + topic) == 0) return false;
-    if (info.valid_data) {
-      try {
-        const EchoMessage message = traits.echo(sample, topic);
-        receive(message);
-        handed_over = true;
-      } catch (const InputError& error) {
-        ++refused;
-        if (warn) warn(error.what());
-      } catch (...) {
-        dds_return_loan(reader.get(), &sample, 1);
-        throw;
-      }
+  /// Hands the message over; false: it was refused.
+  bool hand_over(const void* sample) {
+    try {
+      receive(traits.echo(sample, reader.topic()));
+      return true;
+    } catch (const InputError& error) {
+      ++refused;
+      if (warn) warn(error.what());
+      return false;
     }
-    check_dds(dds_return_loan(reader.get(), &sample, 1), "cannot return a message of " + topic);
-    return true;
   }
 };
 
 EchoReader::EchoReader(const EchoReaderOptions& options, std::function<void(const EchoMessage&)> receive,
                        WarnFunction warn)
     : impl_(std::make_unique<Impl>()) {
-  impl_->topic = dds_topic_name("", options.topic);
   impl_->traits = traits_of(options.kind);
   impl_->receive = std::move(receive);
   impl_->warn = std::move(warn);
+  const std::string topic = dds_topic_name("", options.topic);
   impl_->participant = create_participant(options.domain);
-
-  const dds_entity_t participant = impl_->participant.get();
-  const dds_entity_t topic = check_dds(
-      dds_create_topic(participant, impl_->traits.type.descriptor, impl_->topic.c_str(), nullptr, nullptr),
-      "cannot create topic " + impl_->topic);
   QosProfile profile;
   profile.reliable = false;
   profile.depth = kHistory;
-  profile.type_hash = impl_->traits.type.hash;
-  const QosPointer qos = make_qos(profile);
-  impl_->reader = DdsEntity(dds_create_reader(participant, topic, qos.get(), nullptr),
-                            "cannot create the reader of " + impl_->topic);
-  impl_->waitset = DdsEntity(dds_create_waitset(participant), "cannot create a waitset");
-  const dds_entity_t unread =
-      check_dds(dds_create_readcondition(impl_->reader.get(), DDS_ANY_STATE), "cannot wait");
-  check_dds(dds_waitset_attach(impl_->waitset.get(), unread, 0), "cannot wait");
+  impl_->reader = TopicReader(impl_->participant.get(), topic, impl_->traits.type, profile);
 }
 
 EchoReader::~EchoReader() = default;
 
 int EchoReader::poll(std::chrono::milliseconds timeout, int most) {
-  dds_attach_t triggered = 0;
-  check_dds(dds_waitset_wait(impl_->waitset.get(), &triggered, 1, DDS_MSECS(timeout.count())), "cannot wait");
+  impl_->reader.wait(timeout);
   int handed_over = 0;
-  bool valid = false;
-  while (handed_over < most && impl_->take_one(valid)) handed_over += valid ? 1 : 0;
+  const auto count = [&](const void* sample) { handed_over += impl_->hand_over(sample) ? 1 : 0; };
+  while (handed_over < most && impl_->reader.take(count)) {
+  }
   impl_->report_status();
   return handed_over;
 }
 
-int EchoReader::matched_writers() const {
-  dds_subscription_matched_status_t status{};
-  check_dds(dds_get_subscription_matched_status(impl_->reader.get(), &status), "cannot read a status");
-  return static_cast<int>(status.current_count);
-}
+int EchoReader::matched_writers() const { return impl_->reader.matched_writers(); }
 
 std::uint64_t EchoReader::refused() const { return impl_->refused; }
 

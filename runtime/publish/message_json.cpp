@@ -191,6 +191,16 @@ std::string to_json(const DiagnosticArrayMessage& message) {
   return Json{{"header", json_of(message.header)}, {"status", array_of(message.status)}}.dump();
 }
 
+std::string to_json(const CommandMessage& message) {
+  return Json{{"request_id", printable(message.request_id)},
+              {"kind", message.kind},
+              {"object_name", printable(message.object_name)},
+              {"model_file", printable(message.model_file)},
+              {"value", message.value},
+              {"region", std::span(message.region)}}
+      .dump();
+}
+
 std::string to_json(const CommandAnswerMessage& message) {
   static constexpr const char* kResults[] = {"done", "refused", "failed"};
   Json json{{"request_id", printable(message.request_id)},

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "runtime/publish/command.h"
 #include "runtime/publish/message_check.h"
 #include "runtime/refine/frame_result.h"
 
@@ -113,6 +114,14 @@ std::string to_text(const DiagnosticArrayMessage& message) {
     }
   }
   return text;
+}
+
+std::string to_text(const CommandMessage& message) {
+  const auto& r = message.region;
+  return fmt::format("{} ({}): object '{}', model '{}', value {}, region {} {} {} {}",
+                     to_string(static_cast<CommandKind>(message.kind)), printable(message.request_id),
+                     printable(message.object_name), printable(message.model_file), message.value, r[0], r[1],
+                     r[2], r[3]);
 }
 
 std::string to_text(const CommandAnswerMessage& message) {

@@ -16,6 +16,7 @@ std::string to_text(const MarkerArrayMessage& message);
 std::string to_text(const ImageMessage& message);
 std::string to_text(const TableEstimateMessage& message);
 std::string to_text(const DiagnosticArrayMessage& message);
+std::string to_text(const CommandMessage& message);
 std::string to_text(const CommandAnswerMessage& message);
 
 /// Field names as in the .msg files; numbers as they came, infinities as null; poses additionally as
@@ -29,6 +30,7 @@ std::string to_json(const MarkerArrayMessage& message);
 std::string to_json(const ImageMessage& message);
 std::string to_json(const TableEstimateMessage& message);
 std::string to_json(const DiagnosticArrayMessage& message);
+std::string to_json(const CommandMessage& message);
 std::string to_json(const CommandAnswerMessage& message);
 
 }  // namespace sextant

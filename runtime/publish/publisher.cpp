@@ -26,6 +26,20 @@ constexpr auto kPollInterval = std::chrono::milliseconds(5);
 /// Pictures may be lost; poses must not wait for them.
 constexpr double kPictureBlockingMs = 2;
 
+/// A frame's age, which goes on while its messages are written.
+class Age {
+ public:
+  explicit Age(double seconds) : at_first_ms_(1e3 * seconds) {}
+  double ms() const {
+    return at_first_ms_ + std::chrono::duration<double, std::milli>(Clock::now() - first_).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double at_first_ms_;
+  Clock::time_point first_ = Clock::now();
+};
+
 }  // namespace
 
 struct Publisher::Impl {
@@ -34,7 +48,7 @@ struct Publisher::Impl {
   std::mutex warn_mutex, shapes_mutex;
   DdsEntity participant;
   TopicWriter detections, object_pose, pose_estimates, tf, markers, annotated, table, diagnostics;
-  std::atomic<std::uint64_t> published = 0, timeouts = 0;
+  std::atomic<std::uint64_t> published = 0, timeouts = 0, too_old = 0;
 
   template <typename Message>
   TopicWriter make_writer(const std::string& name, const QosProfile& profile) const {
@@ -60,6 +74,13 @@ struct Publisher::Impl {
     if (writer.write(message)) return;
     ++timeouts;
     tell(writer.topic() + ": a reliable reader does not keep up, a message is lost");
+  }
+
+  void write_fresh(const TopicWriter& writer, const void* message, const Age& age) {
+    if (age.ms() <= options.max_age_ms) return write(writer, message);
+    ++too_old;
+    tell(fmt::format("{}: a message is not written, it is older than {:.0f} ms", writer.topic(),
+                     options.max_age_ms));
   }
 
   void report_refused_readers() {
@@ -109,33 +130,35 @@ Publisher::~Publisher() = default;
 
 void Publisher::publish(const FrameResult& result, double age_s) {
   check_publishable(result);
+  const Age age(age_s);
   // Poses first, pictures last.
   if (impl_->pose_estimates.on()) {
     const PoseEstimatesBuilder builder(result, age_s);
-    impl_->write(impl_->pose_estimates, &builder.message());
+    impl_->write_fresh(impl_->pose_estimates, &builder.message(), age);
   }
   if (impl_->object_pose.on()) {
-    if (const auto message = build_object_pose(result)) impl_->write(impl_->object_pose, &*message);
+    if (const auto message = build_object_pose(result))
+      impl_->write_fresh(impl_->object_pose, &*message, age);
   }
   if (impl_->tf.on() && !result.estimates.empty()) {
     const TfBuilder builder(result, impl_->options.tf_prefix);
-    impl_->write(impl_->tf, &builder.message());
+    impl_->write_fresh(impl_->tf, &builder.message(), age);
   }
   if (impl_->table.on()) {
-    if (const auto message = build_table_estimate(result)) impl_->write(impl_->table, &*message);
+    if (const auto message = build_table_estimate(result)) impl_->write_fresh(impl_->table, &*message, age);
   }
   {
     const std::lock_guard lock(impl_->shapes_mutex);
     if (impl_->detections.on()) {
       const DetectionsBuilder builder(result, impl_->options.object_shapes);
-      impl_->write(impl_->detections, &builder.message());
+      impl_->write_fresh(impl_->detections, &builder.message(), age);
     }
     if (impl_->markers.matched_readers() > 0) {
       MarkerStyle style;
       style.mesh = impl_->options.marker_mesh;
       style.lifetime_s = std::max(0.1, impl_->options.max_age_ms / 1000);
       const MarkersBuilder builder(result, impl_->options.object_shapes, style);
-      impl_->write(impl_->markers, &builder.message());
+      impl_->write_fresh(impl_->markers, &builder.message(), age);
     }
   }
   ++impl_->published;
@@ -144,8 +167,9 @@ void Publisher::publish(const FrameResult& result, double age_s) {
 
 bool Publisher::annotated_wanted() const { return impl_->annotated.matched_readers() > 0; }
 
-void Publisher::publish_annotated(const FrameResult& result, const cv::Mat& rgb) {
+void Publisher::publish_annotated(const FrameResult& result, const cv::Mat& rgb, double age_s) {
   if (!impl_->annotated.on()) return;
+  const Age age(age_s);
   const cv::Mat packed = rgb.isContinuous() ? rgb : rgb.clone();
   std::string encoding = "rgb8";
   ImageMessage message{};
@@ -156,7 +180,7 @@ void Publisher::publish_annotated(const FrameResult& result, const cv::Mat& rgb)
   message.step = 3 * message.width;
   const std::uint32_t bytes = message.step * message.height;
   message.data = {bytes, bytes, const_cast<std::uint8_t*>(packed.ptr<std::uint8_t>()), false};
-  impl_->write(impl_->annotated, &message);
+  impl_->write_fresh(impl_->annotated, &message, age);
 }
 
 void Publisher::publish_diagnostics(const DiagnosticReport& report) {
@@ -168,6 +192,8 @@ void Publisher::set_object_shapes(ObjectShapes shapes) {
   const std::lock_guard lock(impl_->shapes_mutex);
   impl_->options.object_shapes = std::move(shapes);
 }
+
+void Publisher::leave() { dds_delete(impl_->participant.get()); }
 
 std::int32_t Publisher::participant() const { return impl_->participant.get(); }
 
@@ -197,6 +223,8 @@ bool Publisher::wait_for_acknowledgements(std::chrono::milliseconds timeout) con
   return true;
 }
 
-PublisherStatistics Publisher::statistics() const { return {impl_->published, impl_->timeouts}; }
+PublisherStatistics Publisher::statistics() const {
+  return {impl_->published, impl_->timeouts, impl_->too_old};
+}
 
 }  // namespace sextant

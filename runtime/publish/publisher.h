@@ -32,7 +32,7 @@ struct PublisherOptions {
   bool marker_mesh = true;  ///< markers show meshes; else boxes
   double lease_ms =
       500;  ///< deadline of detections, liveliness lease of the topics that say where objects are
-  double max_age_ms = 1000;      ///< lifespan of pose_estimates: a late joiner never gets an older one
+  double max_age_ms = 1000;      ///< of every message of a frame; lifespan of pose_estimates
   ObjectShapes object_shapes{};  ///< for Detection3D.bbox and markers; missing: size 0, no shape
 };
 
@@ -43,6 +43,8 @@ using WarnFunction = std::function<void(const std::string&)>;
 struct PublisherStatistics {
   std::uint64_t published = 0;  ///< frames
   std::uint64_t timeouts = 0;   ///< messages given up because a reliable reader did not keep up
+  std::uint64_t too_old =
+      0;  ///< messages of a frame that grew older than max_age_ms while others were written
 };
 
 /// A participant and its writers. publish and publish_annotated from one thread, the others from any. Stamps
@@ -55,17 +57,22 @@ class Publisher {
   Publisher(const Publisher&) = delete;
   Publisher& operator=(const Publisher&) = delete;
 
-  /// Writes the frame's messages. age_s: from capture to now, on a clock that nobody sets. Throws DeviceError
-  /// when DDS fails and std::logic_error for a result that must not leave the process (no stamp, not finite).
+  /// Writes the frame's messages, none of them once it is older than max_age_ms. age_s: from capture to now,
+  /// on a clock that nobody sets. Throws DeviceError when DDS fails and std::logic_error for a result that
+  /// must not leave the process (no stamp, not finite).
   void publish(const FrameResult& result, double age_s = 0);
   /// True while someone listens to the annotated image: only then is it worth drawing.
   bool annotated_wanted() const;
-  /// Writes an image with the frame's stamp. `rgb`: CV_8UC3, RGB order.
-  void publish_annotated(const FrameResult& result, const cv::Mat& rgb);
+  /// Writes an image with the frame's stamp and age, as publish does. `rgb`: CV_8UC3, RGB order.
+  void publish_annotated(const FrameResult& result, const cv::Mat& rgb, double age_s = 0);
   void publish_diagnostics(const DiagnosticReport& report);
 
   /// Other objects from the next frame on.
   void set_object_shapes(ObjectShapes shapes);
+
+  /// Takes everything of ours off the network at once; from any thread. What is written afterwards throws
+  /// DeviceError.
+  void leave();
 
   /// Cyclone's handle of the participant, for further endpoints of this process; lives as long as this.
   std::int32_t participant() const;

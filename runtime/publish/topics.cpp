@@ -28,7 +28,9 @@ constexpr NamedKind kKinds[] = {{"detections", TopicKind::kDetections},
                                 {"markers", TopicKind::kMarkers},
                                 {"image_raw", TopicKind::kAnnotated},
                                 {"table_estimate", TopicKind::kTableEstimate},
-                                {"diagnostics", TopicKind::kDiagnostics}};
+                                {"diagnostics", TopicKind::kDiagnostics},
+                                {"command", TopicKind::kCommand},
+                                {"command_answer", TopicKind::kCommandAnswer}};
 
 }  // namespace
 

@@ -17,6 +17,8 @@ enum class TopicKind {
   kAnnotated,      ///< sensor_msgs/Image
   kTableEstimate,  ///< sextant_msgs/TableEstimate
   kDiagnostics,    ///< diagnostic_msgs/DiagnosticArray
+  kCommand,        ///< sextant_msgs/Command
+  kCommandAnswer,  ///< sextant_msgs/CommandAnswer
 };
 
 /// Throws UsageError unless 0..230 (higher ones have no UDP ports).

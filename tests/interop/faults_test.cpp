@@ -13,6 +13,7 @@
 #include "runtime/publish/command_client.h"
 #include "runtime/publish/command_server.h"
 #include "runtime/publish/dds_log.h"
+#include "runtime/publish/dds_settings.h"
 #include "runtime/publish/echo_reader.h"
 #include "runtime/publish/message_types.h"
 #include "runtime/publish/publisher.h"
@@ -154,8 +155,8 @@ TEST(Faults, MalformedTrafficStopsNeitherPosesNorCommands) {
   EXPECT_LT(log_lines, 100);  // a flood of warnings does not become a flood of lines
 }
 
-TEST(Faults, AStoppedReliableReaderHoldsNobodyUpAndAKilledOneIsForgotten) {
-  const DdsTestDomain domain;
+/// `poses`: in each message.
+void stop_and_kill_a_reliable_reader(const DdsTestDomain& domain, int poses) {
   const TemporaryFolder folder;
   Publisher publisher(options_of(domain));
   ChildProcess stranger({DDS_HELPER, "listen", std::to_string(domain.writing), domain.name_space},
@@ -168,7 +169,7 @@ TEST(Faults, AStoppedReliableReaderHoldsNobodyUpAndAKilledOneIsForgotten) {
   stranger.send(SIGSTOP);
   int received = 0;
   for (unsigned i = 0; i < 300; ++i) {
-    publisher.publish(random_result(i, 5));
+    publisher.publish(random_result(i, poses));
     received += friendly.take();
   }
   EXPECT_TRUE(eventually([&] { return (received += friendly.take()) >= 290; })) << received;
@@ -182,6 +183,47 @@ TEST(Faults, AStoppedReliableReaderHoldsNobodyUpAndAKilledOneIsForgotten) {
   stranger.send(SIGKILL);
   stranger.wait();
   EXPECT_TRUE(eventually([&] { return publisher.matched_readers() == 1; }));
+}
+
+TEST(Faults, AStoppedReliableReaderHoldsNobodyUpAndAKilledOneIsForgotten) {
+  stop_and_kill_a_reliable_reader(DdsTestDomain(), 5);
+}
+
+TEST(Faults, AStoppedReliableReaderHoldsNobodyUpWithoutTheShippedSettingsToo) {
+  const DdsTestDomain domain("../tests/interop/plain_loopback.xml");
+  use_dds_defaults();
+  stop_and_kill_a_reliable_reader(domain, 60);
+}
+
+TEST(Faults, SmallSocketBuffersCostImagesButNoPose) {
+  const DdsTestDomain domain(
+      "cyclonedds.xml",
+      "<CycloneDDS><Domain Id=\"any\"><Internal><SocketReceiveBufferSize min=\"default\" max=\"16 kB\"/>"
+      "</Internal></Domain></CycloneDDS>");
+  Publisher publisher(options_of(domain));
+  const QosPointer ten = make_qos({.reliable = true, .depth = 10});
+  const QosPointer best_effort = make_qos({.reliable = false, .depth = 2});
+  const std::string before = "rt/" + domain.name_space + "/";
+  const RawReader poses(domain.reading, *topic_type<Detection3DArrayMessage>().descriptor,
+                        before + "detections", ten.get());
+  const RawReader images(domain.reading, *topic_type<ImageMessage>().descriptor,
+                         before + "annotated/image_raw", best_effort.get());
+  ASSERT_TRUE(eventually([&] { return publisher.matched_readers() == 2; }));
+  ASSERT_TRUE(eventually([&] { return poses.matched() == 1 && images.matched() == 1; }));
+  const cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(1, 2, 3));
+  constexpr int kFrames = 50;
+  int got_poses = 0, got_images = 0;
+  for (unsigned i = 0; i < kFrames; ++i) {
+    const FrameResult result = random_result(i, 3);
+    publisher.publish(result);
+    publisher.publish_annotated(result, picture);
+    // A pose that was lost in the images' flood is sent again.
+    EXPECT_TRUE(eventually([&] { return (got_poses += poses.take()) > static_cast<int>(i); })) << i;
+    got_images += images.take();
+  }
+  EXPECT_EQ(got_poses, kFrames);
+  RecordProperty("images", got_images);
+  std::printf("images that came through a socket buffer of 16 kB: %d of %d\n", got_images, kFrames);
 }
 
 TEST(Faults, AReaderThatDoesNotReadGetsTheNewestOnes) {

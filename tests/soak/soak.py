@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Soak: sextantd at 30 Hz with two subscribers, one of them slow, for SECONDS (scripts/test --long: 900).
 
-    soak.py BIN_FOLDER SOURCE_FOLDER [SECONDS]
+    soak.py BIN_FOLDER SOURCE_FOLDER [SECONDS [MODEL]]
+Without MODEL (a compiled printed_box) a coarse one is learned first.
 Checks that memory is constant after the first tenth, that every frame of the source is accounted for (published, or
 reported as late, stale or dropped), that the fast subscriber gets everything that is published, that no age is above
 the configured maximum, and that the daemon ends within a second.
@@ -18,6 +19,7 @@ from pathlib import Path
 
 BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
 SECONDS = float(sys.argv[3]) if len(sys.argv) > 3 else 900.0
+MODEL = Path(sys.argv[4]).resolve() if len(sys.argv) > 4 else None
 RATE_HZ, MAX_AGE_MS = 30, 500
 GROWTH_KIB = 3072  # allocators settle; a leak of one frame's result per second would show
 # A coarse model of the views that the sample has.
@@ -50,12 +52,14 @@ def main():
 def run(folder):
     domain = 1 + os.getpid() % 200
     env = {**os.environ, "CYCLONEDDS_URI": "file://%s/config/cyclonedds.xml" % SOURCE}
-    (folder / "learning.yaml").write_text(LEARNING)
-    subprocess.run([BIN / "sextant", "compile", SOURCE / "data/meshes/printed_box.obj", "--units", "mm", "--up", "z",
-                    "--object-id", "1", "--params", folder / "learning.yaml", "-o", folder / "box.sxm"], check=True)
+    model = MODEL or folder / "box.sxm"
+    if not MODEL:
+        (folder / "learning.yaml").write_text(LEARNING)
+        subprocess.run([BIN / "sextant", "compile", SOURCE / "data/meshes/printed_box.obj", "--units", "mm", "--up", "z",
+                        "--object-id", "1", "--params", folder / "learning.yaml", "-o", model], check=True)
     (folder / "sextantd.yaml").write_text(f"""
 source: {{kind: playback, dataset: "{SOURCE}/data/sample", loop: true, rate_hz: {RATE_HZ}}}
-models: {{files: ["{folder}/box.sxm"]}}
+models: {{files: ["{model}"]}}
 detect: {{angle_tolerance_deg: 4, search_width: 320, deadline_ms: 15}}
 publish: {{domain: {domain}}}
 pipeline: {{max_age_ms: {MAX_AGE_MS}}}

@@ -26,17 +26,20 @@ class Machine:
         self.processors = processors
         self.qemu = need("qemu-system-x86_64", "qemu-system-x86")
 
-    def run(self, script, job, timeout_s):
-        """(exit code or None, the kernel's console): the script's output is copied to stdout as it comes."""
+    def run(self, script, job, timeout_s, systemd=False):
+        """(exit code or None, the kernel's console): the script's output is copied to stdout as it comes.
+
+        With systemd, that is PID 1 and the script one of its services.
+        """
         (job / "job.sh").write_text(script)
         for tries in range(1, BOOT_TRIES + 1):
-            is_up, code, console = self.boot(job, timeout_s)
+            is_up, code, console = self.boot(job, timeout_s, systemd)
             if is_up:
                 break
             print("try %d: the machine did not boot; its console ended with: %s" % (tries, console[-300:].strip()))
         return code, console
 
-    def boot(self, job, timeout_s):
+    def boot(self, job, timeout_s, systemd):
         """(whether the script began, exit code or None, the console) of one boot."""
         for name in ("out", "code", "console"):
             (job / name).write_bytes(b"")
@@ -48,7 +51,7 @@ class Machine:
             self.qemu, "-machine", "q35,usb=off,vmport=off,smbus=off,hpet=off", "-accel", "tcg,thread=multi", "-cpu", "max",
             "-m", str(self.memory_mib), "-smp", str(self.processors), "-no-user-config", "-nodefaults", "-display", "none",
             "-no-reboot", "-kernel", str(self.kernel.image), "-initrd", str(self.kernel.initramfs),
-            "-append", KERNEL_WORDS + " vmjob=%s" % job,
+            "-append", KERNEL_WORDS + " vmjob=%s%s" % (job, " vmsystemd systemd.show_status=0" if systemd else ""),
             "-chardev", "file,id=console,path=%s" % (job / "console"), "-serial", "chardev:console",
             "-device", "virtio-serial-pci",
             "-chardev", "file,id=out,path=%s" % out, "-device", "virtserialport,chardev=out,name=out",

@@ -7,9 +7,11 @@
 
 #include <atomic>
 #include <csignal>
+#include <future>
 #include <thread>
 
 #include "runtime/base/error.h"
+#include "runtime/daemon/last_resort.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/runtime/daemon/notify_socket.h"
 #include "tests/unit/runtime/daemon/scripted_source.h"
@@ -97,16 +99,11 @@ TEST_F(Daemon, EndsOnSigtermAndSigint) {
   for (const int signal : {SIGTERM, SIGINT}) {
     ScriptedSource source(1000000, [](RgbdFrame&) { std::this_thread::sleep_for(5ms); });
     Publisher publisher(publishing());
-    std::atomic<int> detected = 0;
     std::thread sender([&] {
-      while (detected < 5) std::this_thread::sleep_for(1ms);
+      while (publisher.statistics().published < 4) std::this_thread::sleep_for(1ms);
       kill(getpid(), signal);
     });
-    const auto detect = [&](const RgbdFrame& frame) {
-      ++detected;
-      return empty_result(frame);
-    };
-    run_daemon(source, detect, publisher, signals_, run_);
+    run_daemon(source, empty_result, publisher, signals_, run_);
     sender.join();
     EXPECT_GE(publisher.statistics().published, 4U);
     EXPECT_FALSE(abandoned_);
@@ -136,6 +133,41 @@ TEST_F(Daemon, LeavesADetectionThatDoesNotEnd) {
   sender.join();
   EXPECT_TRUE(abandoned_);
   EXPECT_EQ(publisher.statistics().published, 0U);
+}
+
+TEST_F(Daemon, AReloadThatTakesItsTimeHoldsTheEndUpAsLittleAsFrames) {
+  ScriptedSource source(1000000, [](RgbdFrame&) { std::this_thread::sleep_for(5ms); });
+  Publisher publisher(publishing());
+  std::atomic<int> reloads = 0;
+  std::atomic<bool> let_go = false;
+  run_.reload = [&]() -> std::string {
+    ++reloads;
+    while (!let_go) std::this_thread::sleep_for(1ms);
+    throw InputError("sextantd.yaml:1", "nonsense");
+  };
+  run_.ending = [&] { let_go = true; };  // is called although the reload is under way
+  std::thread sender([&] {
+    kill(getpid(), SIGHUP);
+    while (reloads == 0) std::this_thread::sleep_for(1ms);
+    const std::uint64_t before = publisher.statistics().published;
+    while (publisher.statistics().published < before + 5) std::this_thread::sleep_for(1ms);
+    kill(getpid(), SIGTERM);
+  });
+  run_daemon(source, empty_result, publisher, signals_, run_);
+  sender.join();
+  EXPECT_EQ(reloads, 1);
+  EXPECT_THAT(notify_.messages(), testing::Contains(testing::HasSubstr("RELOADING=1")));
+}
+
+TEST(LastResort, IsTakenOnlyWhenTheTimeIsOver) {
+  std::promise<void> left;
+  const LastResort soon(1ms, [&] { left.set_value(); });
+  left.get_future().wait();
+  std::atomic<bool> taken = false;
+  {
+    const LastResort in_time(1h, [&] { taken = true; });
+  }
+  EXPECT_FALSE(taken);
 }
 
 TEST_F(Daemon, ADeadDeviceIsTheCallersError) {

@@ -149,9 +149,15 @@ TEST_F(Service, ARegionIsAllThatIsLookedAt) {
   EXPECT_THAT(done(region).message, HasSubstr("whole image"));
   region.region = {0, 0, 31, 100};
   EXPECT_THAT(refused(region).message, HasSubstr("too small"));
-  // A region beside this camera's image: that is the frame's error, and the next command heals it.
   region.region = {4000, 4000, 100, 100};
-  done(region);
+  EXPECT_THAT(refused(region).message, HasSubstr("inside the image of 96 x 72"));
+  EXPECT_NO_THROW(service_.detect(noise_frame()));
+}
+
+TEST_F(Service, ARegionBesideTheFirstImageIsThatFramesErrorAndTheNextCommandHealsIt) {
+  Command region = command(CommandKind::kRegion);
+  region.region = {4000, 4000, 100, 100};
+  done(region);  // nobody knows yet how large images are
   EXPECT_THROW(service_.detect(noise_frame()), InputError);
   region.region = {};
   done(region);
@@ -252,6 +258,27 @@ TEST_F(Service, ALookWithoutAFrameOrWithABadOneIsAnsweredToo) {
   EXPECT_THROW(service_.detect(bad), InputError);
   ASSERT_EQ(answers.size(), 3U);
   EXPECT_EQ(answers[2].result, CommandResult::kFailed);
+}
+
+TEST(ServiceLook, AnOldResultIsNotGivenOutAsFresh) {
+  DetectionSetup setup = setup_of({model("mug", 1)});
+  setup.max_look_age_ms = 60'000;
+  DetectionService service(std::move(setup));
+  std::vector<CommandAnswer> answers;
+  const auto keep = [&](const CommandAnswer& a) { answers.push_back(a); };
+  const auto long_ago = DetectionService::Clock::now() - 1h;
+  RgbdFrame old = noise_frame();
+  old.captured_monotonic -= 61s;
+  service.look(command(CommandKind::kLook), keep, 10s, long_ago);
+  service.detect(old);
+  service.look(command(CommandKind::kLook), keep, 10s, long_ago);
+  service.detect(noise_frame());
+  ASSERT_EQ(answers.size(), 2U);
+  EXPECT_EQ(answers[0].result, CommandResult::kFailed);
+  EXPECT_FALSE(answers[0].look.has_value());
+  EXPECT_THAT(answers[0].message, HasSubstr("allowed are 60000 (pipeline.max_age_ms)"));
+  EXPECT_EQ(answers[1].result, CommandResult::kDone);
+  EXPECT_TRUE(answers[1].look.has_value());
 }
 
 TEST_F(Service, ReplacesEverythingOrNothing) {

@@ -105,6 +105,8 @@ TEST(Health, LevelsSayWhatIsWrong) {
             DiagnosticLevel::kWarn);
   EXPECT_EQ(report_of([](auto& now, auto&) { now.publisher.timeouts = 1; }).parts[kDds].level,
             DiagnosticLevel::kWarn);
+  EXPECT_EQ(report_of([](auto& now, auto&) { now.publisher.too_old = 1; }).parts[kDds].level,
+            DiagnosticLevel::kWarn);
   const DiagnosticReport bounded = report_of([](auto&, auto& health) {
     FrameResult result;
     result.objects.push_back({0, 1, "mug", SearchStatus::kBounded, 0, 0, 1});

@@ -11,6 +11,8 @@
 #include "runtime/publish/command_client.h"
 #include "runtime/publish/command_messages.h"
 #include "runtime/publish/command_server.h"
+#include "runtime/publish/echo_reader.h"
+#include "runtime/publish/topic_reader.h"
 #include "runtime/publish/topic_writer.h"
 #include "tests/unit/runtime/publish/dds_test_domain.h"
 #include "tests/unit/runtime/publish/example_result.h"
@@ -68,6 +70,12 @@ CommandAnswer done(const Command& command) {
   return answer;
 }
 
+TEST(Commands, HaveNames) {
+  EXPECT_EQ(to_string(CommandKind::kStatus), "status");
+  EXPECT_EQ(to_string(CommandKind::kReload), "reload");
+  EXPECT_EQ(to_string(static_cast<CommandKind>(200)), "kind 200");
+}
+
 TEST(Commands, ArriveEqualAndSoDoTheirAnswers) {
   const DdsTestDomain domain;
   const FrameResult look = random_result(3, 2);
@@ -119,6 +127,64 @@ TEST(Commands, ASecondSendingIsAnsweredAgainButDoneOnce) {
   EXPECT_TRUE(second.ask(command, seconds(20)).has_value());
   daemon.stop();
   EXPECT_EQ(daemon.commands.size(), 1U);
+}
+
+TEST(Commands, AReaderThatGetsNoAnswerIsMadeAnew) {
+  const DdsTestDomain domain;
+  const DdsEntity participant = create_participant(domain.writing);
+  const TopicReader commands(participant.get(), "rt/" + domain.name_space + "/command",
+                             topic_type<CommandMessage>(), {.reliable = false});
+  const TopicWriter answers(participant.get(), "rt/" + domain.name_space + "/command_answer",
+                            topic_type<CommandAnswerMessage>(), {});
+  std::atomic<bool> stop = false;
+  std::uint32_t readers = 0;
+  // A daemon whose first reader is deaf: it answers the second one only.
+  std::thread daemon([&] {
+    while (!stop) {
+      commands.wait(milliseconds(20));
+      dds_publication_matched_status_t status{};
+      dds_get_publication_matched_status(answers.handle(), &status);
+      readers = status.total_count;
+      commands.take([&](const void* sample) {
+        if (readers < 2) return;
+        const CommandAnswer answer = done(to_command(*static_cast<const CommandMessage*>(sample)));
+        const AnswerBuilder builder(answer);
+        answers.write(&builder.message());
+      });
+    }
+  });
+  CommandClient client(domain.reading, {domain.name_space});
+  EXPECT_TRUE(client.ask({"x", CommandKind::kStatus}, seconds(20)).has_value());
+  stop = true;
+  daemon.join();
+  EXPECT_EQ(readers, 2U);
+}
+
+TEST(Commands, CanBeOverheard) {
+  const DdsTestDomain domain;
+  Answering daemon(domain, done);
+  std::vector<std::string> texts, jsons;
+  const auto keep = [&](const EchoMessage& m) {
+    texts.push_back(m.text);
+    jsons.push_back(m.json);
+  };
+  EchoReader commands({domain.reading, domain.name_space + "/command", TopicKind::kCommand}, keep);
+  EchoReader answers({domain.reading, domain.name_space + "/command_answer", TopicKind::kCommandAnswer},
+                     keep);
+  CommandClient client(domain.reading, {domain.name_space});
+  for (int i = 0; texts.size() < 2 && i < 100; ++i) {
+    texts.clear();
+    jsons.clear();
+    const Command sent{std::to_string(i), CommandKind::kThreshold, "mug", "", -2.5};
+    ASSERT_TRUE(client.ask(sent, seconds(20)).has_value());
+    commands.poll(milliseconds(200));
+    answers.poll(milliseconds(200));
+  }
+  ASSERT_GE(texts.size(), 2U);
+  EXPECT_THAT(texts[0], testing::StartsWith("threshold ("));
+  EXPECT_THAT(texts[0], testing::HasSubstr("object 'mug', model '', value -2.5"));
+  EXPECT_EQ(nlohmann::json::parse(jsons[0])["value"], -2.5);
+  EXPECT_THAT(texts.back(), testing::StartsWith("done: done"));
 }
 
 TEST(Commands, NobodyAnswersWithoutADaemon) {

@@ -18,12 +18,14 @@ struct DdsTestDomain {
   unsigned reading = 0;
   std::string name_space;  ///< another belt: no other test's topics
 
-  explicit DdsTestDomain(const std::string& config = "cyclonedds.xml") {
+  /// `more`: settings on top, as CYCLONEDDS_URI takes them.
+  explicit DdsTestDomain(const std::string& config = "cyclonedds.xml", const std::string& more = "") {
     std::random_device random;
     writing = 1 + random() % 200;
     reading = writing + 1;
     name_space = "test_" + std::to_string(getpid());
-    const std::string uri = "file://" SEXTANT_SOURCE_DIR "/config/" + config + ",<CycloneDDS><Domain Id=\"" +
+    const std::string uri = "file://" SEXTANT_SOURCE_DIR "/config/" + config +
+                            (more.empty() ? "" : "," + more) + ",<CycloneDDS><Domain Id=\"" +
                             std::to_string(reading) + "\"><Discovery><ExternalDomainId>" +
                             std::to_string(writing) + "</ExternalDomainId></Discovery></Domain></CycloneDDS>";
     if (setenv("CYCLONEDDS_URI", uri.c_str(), 1) != 0) ADD_FAILURE() << "setenv";

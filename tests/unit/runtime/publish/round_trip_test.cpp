@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "runtime/base/error.h"
 #include "runtime/publish/echo_reader.h"
 #include "runtime/publish/publisher.h"
 #include "tests/unit/runtime/publish/dds_test_domain.h"
@@ -347,6 +348,59 @@ TEST(RoundTrip, AReaderIsToldWhenThePublisherGoes) {
   publisher.reset();
   EXPECT_TRUE(listener.wait_for([&] { return !listener.warnings.empty(); }));
   EXPECT_THAT(listener.warnings, testing::ElementsAre(testing::HasSubstr("a publisher has gone")));
+}
+
+TEST(RoundTrip, WhoLeavesIsGoneAtOnceAndWritesNoMore) {
+  const DdsTestDomain domain;
+  PublisherOptions options;
+  options.domain = domain.writing;
+  options.name_space = domain.name_space;
+  Publisher publisher(options);
+  EchoReader reader({domain.reading, domain.name_space + "/pose_estimates", TopicKind::kPoseEstimates},
+                    [](const EchoMessage&) {});
+  ASSERT_TRUE(publisher.wait_for_reader(std::chrono::seconds(20)));
+  const auto until = [&](int writers) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (reader.matched_writers() != writers && std::chrono::steady_clock::now() < end)
+      reader.poll(std::chrono::milliseconds(10));
+    return reader.matched_writers() == writers;
+  };
+  EXPECT_TRUE(until(1));
+  publisher.leave();
+  EXPECT_TRUE(until(0));
+  EXPECT_THROW(publisher.publish(random_result(1, 1)), DeviceError);
+}
+
+TEST(RoundTrip, WhatHasGrownTooOldIsCountedAndNotWritten) {
+  const DdsTestDomain domain;
+  PublisherOptions options;
+  options.domain = domain.writing;
+  options.name_space = domain.name_space;
+  options.max_age_ms = 60'000;
+  std::vector<std::string> warnings;
+  Publisher publisher(options, [&](const std::string& w) { warnings.push_back(w); });
+  std::vector<std::int64_t> frames;
+  EchoReader reader({domain.reading, domain.name_space + "/pose_estimates", TopicKind::kPoseEstimates},
+                    [&](const EchoMessage& m) {
+                      frames.push_back(nlohmann::json::parse(m.json)["frame_number"].get<std::int64_t>());
+                    });
+  ASSERT_TRUE(publisher.wait_for_reader(std::chrono::seconds(20)));
+  FrameResult result = random_result(1, 1);
+  result.sequence = 7;
+  publisher.publish(result, 61);
+  // Estimates, best pose, transforms, detections; a table where the result has one.
+  EXPECT_GE(publisher.statistics().too_old, 4U);
+  EXPECT_THAT(warnings, testing::Contains(testing::HasSubstr("older than 60000 ms")));
+  const auto before = publisher.statistics().too_old;
+  result.sequence = 8;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (frames.empty() && std::chrono::steady_clock::now() < end) {
+    publisher.publish(result, 0.5);
+    reader.poll(std::chrono::milliseconds(20));
+  }
+  EXPECT_THAT(frames, testing::Contains(8));
+  EXPECT_THAT(frames, testing::Not(testing::Contains(7)));
+  EXPECT_EQ(publisher.statistics().too_old, before);
 }
 
 }  // namespace

@@ -35,6 +35,8 @@ TEST(Topics, TellTheirKindByTheLastToken) {
   EXPECT_EQ(topic_kind_of("/tf"), TopicKind::kTf);
   EXPECT_EQ(topic_kind_of("arm/annotated/image_raw"), TopicKind::kAnnotated);
   EXPECT_EQ(topic_kind_of("diagnostics"), TopicKind::kDiagnostics);
+  EXPECT_EQ(topic_kind_of("arm/command"), TopicKind::kCommand);
+  EXPECT_EQ(topic_kind_of("command_answer"), TopicKind::kCommandAnswer);
   EXPECT_THROW(topic_kind_of("pose_estimates/raw"), UsageError);
 }
 
