@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "runtime/base/error.h"
-#include "runtime/daemon/image_region.h"
 
 namespace sextant {
 
@@ -172,9 +171,9 @@ struct DetectionService::Impl {
         return fmt::format("{} {}", on ? "looking for" : "no longer looking for", whom);
       }
       case CommandKind::kRegion: {
-        if (c.region != ImageRegion{} && (c.region[2] < kSmallestRegion || c.region[3] < kSmallestRegion)) {
+        if (c.region != ImageRegion{} && (c.region[2] < 1 || c.region[3] < 1)) {
           refuse(fmt::format("a region of {} x {} pixels is too small", c.region[2], c.region[3]),
-                 fmt::format("use at least {0} x {0}, or 0 0 0 0 for the whole image", kSmallestRegion));
+                 "use at least 1 x 1, or 0 0 0 0 for the whole image");
         }
         s.region = c.region;
         if (c.region == ImageRegion{}) return "looking at the whole image";
@@ -234,9 +233,10 @@ struct DetectionService::Impl {
       if (model.threshold) call.thresholds[model.name] = *model.threshold;
     }
     call.deadline_ms = s.deadline_ms;
-    FrameResult result = s.detector->detect(cut_to_region(frame, s.region), call);
-    move_boxes_back(result, s.region);
-    return result;
+    if (s.region != ImageRegion{}) {
+      std::copy(s.region.begin(), s.region.end(), call.image_region.emplace().begin());
+    }
+    return s.detector->detect(frame, call);
   }
 };
 
