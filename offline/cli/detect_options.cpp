@@ -106,8 +106,10 @@ void DetectArguments::add_to(CLI::App& command) {
   command.add_option("--runner-up-angle-deg", runner_up_angle_deg, "other: turned by more (up to symmetry)")
       ->check(CLI::Range(0.0, 180.0))
       ->capture_default_str();
-  command.add_option("--runner-up-most", detect.runner_up_most,
-                     "a larger margin is only proven to be at least this; less is faster");
+  command
+      .add_option("--runner-up-most", detect.runner_up_most,
+                  "a larger margin is only proven to be at least this, which is faster; inf: exactly")
+      ->capture_default_str();
   command.add_flag("--json", json, "one JSON object per image");
   command.add_flag("--require", require, "exit 1 where an image has no detection");
 }

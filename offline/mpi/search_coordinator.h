@@ -16,7 +16,7 @@
 namespace sextant {
 
 struct CoordinatorOptions {
-  double lost_after_s = 10;  ///< of silence; a rank of this machine that died is noticed at once
+  double lost_after_s = 30;  ///< of silence; a rank of this machine that died is noticed at once
   bool verbose = false;      ///< says on stderr what was moved and which ranks were lost
 };
 

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -142,7 +143,7 @@ DetectOptions detect_options(const DaemonConfig& config) {
   options.runner_up = d.runner_up;
   options.runner_up_radius_m = d.runner_up_radius_m;
   options.runner_up_angle_rad = d.runner_up_angle_deg * kRadiansPerDegree;
-  if (d.runner_up_most) options.runner_up_most = *d.runner_up_most;
+  options.runner_up_most = d.runner_up_most.value_or(std::numeric_limits<double>::infinity());
   return options;
 }
 

@@ -64,7 +64,7 @@ struct DaemonConfig {
     bool runner_up = DetectOptions().runner_up;
     double runner_up_radius_m = DetectOptions().runner_up_radius_m;
     double runner_up_angle_deg = 30;
-    std::optional<double> runner_up_most;
+    std::optional<double> runner_up_most = DetectOptions().runner_up_most;
   } detect;
 
   struct Publish {

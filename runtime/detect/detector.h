@@ -5,7 +5,6 @@
 
 #include <array>
 #include <functional>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -53,8 +52,8 @@ struct DetectOptions {
   bool runner_up = true;
   double runner_up_radius_m = 0.03;                 ///< of the ball, positions, >= 0
   double runner_up_angle_rad = 0.5235987755982988;  ///< of the ball, orientations, 0..pi (30 deg)
-  /// Margins of interest: a larger one is only proven to be at least this.
-  double runner_up_most = std::numeric_limits<double>::infinity();
+  /// Margins of interest: a larger one is only proven to be at least this. Infinite: all are proven exactly.
+  double runner_up_most = 5;
 };
 
 /// What the search of one frame read and what it said, for whoever checks it. Valid during the call only.

@@ -64,7 +64,7 @@ TEST(SplitTree, ProvesWhatBruteForceFinds) {
 TEST(SplitTree, ABoundedAnswerIsProvenUpToItsBound) {
   const SmallSpace s(3, 16, 12, 0.9, 0.91);
   SearchOptions o;
-  o.threshold = -300;
+  o.threshold = -1e6;
   const SearchOutcome truth = truth_of(s, o);
   ASSERT_FALSE(truth.found.empty());
   SearchOutcome bounded;
@@ -79,7 +79,7 @@ TEST(SplitTree, ABoundedAnswerIsProvenUpToItsBound) {
 TEST(SplitTree, TheGrowerNoticesAWrongAnswer) {
   const SmallSpace s(3, 16, 12, 0.9, 0.91);
   SearchOptions o;
-  o.threshold = -300;
+  o.threshold = -1e6;
   SearchOutcome none = truth_of(s, o);
   ASSERT_FALSE(none.found.empty());
   none.found.clear();
@@ -92,7 +92,7 @@ TEST(SplitTree, TheGrowerNoticesAWrongAnswer) {
 TEST(SplitTree, DamagedTreesAreNoTreesOrProveNothing) {
   const SmallSpace s(1, 16, 12, 0.9, 0.91);
   SearchOptions o;
-  o.threshold = -300;
+  o.threshold = -1e6;
   const SearchOutcome truth = truth_of(s, o);
   const SearchProblem problem = s.search();
   const Claim claim(problem, truth, 1, o.threshold);

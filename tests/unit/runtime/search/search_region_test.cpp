@@ -117,7 +117,7 @@ TEST(SearchRegion, WithoutATableTheWorkspaceLimitsDistancesAlone) {
 TEST(SearchRegion, DistancesOverARectangleLoseNothing) {
   RandomProblem p(7);
   int met = 0, empty = 0;
-  for (int round = 0; round < 3000; ++round) {
+  for (int round = 0; round < 12000; ++round) {
     WorkspaceBox box;
     box.workspace_from_camera.linear() =
         Eigen::Quaterniond(p.uniform(-1, 1), p.uniform(-1, 1), p.uniform(-1, 1), p.uniform(-1, 1))
