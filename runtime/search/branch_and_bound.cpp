@@ -96,10 +96,9 @@ class Search {
   }
 
   bool suppressed(const Region& region) const {
-    return std::any_of(boxes_.begin(), boxes_.end(),
-                       [&](const Box2& box) {
-                         return suppressed_everywhere(bin_of(region), focal_, region, box);
-                       }) ||
+    return std::any_of(
+               boxes_.begin(), boxes_.end(),
+               [&](const Box2& box) { return suppressed_everywhere(bin_of(region), focal_, region, box); }) ||
            options_.excluded.contains_all(bin_of(region), focal_, region);
   }
 
