@@ -13,5 +13,6 @@ CLI::App* add_detect_command(CLI::App& app, int& exit_code);
 CLI::App* add_doctor_command(CLI::App& app, int& exit_code);
 CLI::App* add_record_command(CLI::App& app, int& exit_code);
 CLI::App* add_render_command(CLI::App& app, int& exit_code);
+CLI::App* add_verify_command(CLI::App& app, int& exit_code);
 
 }  // namespace sextant

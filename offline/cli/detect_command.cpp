@@ -11,10 +11,13 @@
 #include "hal/playback/bop_dataset.h"
 #include "hal/playback/single_frame.h"
 #include "offline/cli/commands.h"
+#include "offline/cli/detect_command.h"
 #include "offline/cli/detect_options.h"
 #include "offline/cli/progress_bar.h"
 #include "offline/dataset/bop_results.h"
 #include "offline/dataset/result_json.h"
+#include "offline/proof/proof_file.h"
+#include "offline/proof/proof_writer.h"
 #include "offline/report/overlay.h"
 #include "runtime/base/error.h"
 #include "runtime/model/model_file.h"
@@ -91,14 +94,25 @@ void for_each_frame(const DetectArguments& a, const std::function<void(const Rgb
     throw InputError(a.dataset.string(), fmt::format("no image {}", a.image), "see --scene and --image");
 }
 
-ExitCode run(const DetectArguments& a) {
+}  // namespace
+
+ExitCode run_detect(const DetectArguments& a, const BeforeDetect& before) {
   std::vector<ObjectModel> models;
   for (const auto& file : a.models) models.push_back(read_model(file));
-  Detector detector(std::move(models), a.options());
+  const DetectOptions options = a.options();
+  Detector detector(std::move(models), options);
+  std::optional<ProofWriter> proof;
+  if (!a.proof.empty()) {
+    proof.emplace(a.models, detector.models(), options,
+                  FrameSourceProof{a.dataset, a.split, a.colour, a.depth, a.camera});
+  }
   std::vector<BopResult> rows;
   bool missing = false;
   for_each_frame(a, [&](const RgbdFrame& frame) {
-    const FrameResult result = detector.detect(frame);
+    DetectCall call;
+    if (proof) call.searched = [&](const SearchRecord& record) { proof->add(frame, record); };
+    if (before) before(frame, call);
+    const FrameResult result = detector.detect(frame, call);
     missing = missing || result.estimates.empty();
     if (a.json) {
       fmt::print("{}\n", format_result_json(result));
@@ -110,10 +124,9 @@ ExitCode run(const DetectArguments& a) {
     rows.insert(rows.end(), found.begin(), found.end());
   });
   if (!a.csv.empty()) write_bop_results(a.csv, rows);
+  if (proof) write_proof(a.proof, proof->proof());
   return a.require && missing ? ExitCode::kNothingFound : ExitCode::kDone;
 }
-
-}  // namespace
 
 CLI::App* add_detect_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<DetectArguments>();
@@ -122,7 +135,7 @@ CLI::App* add_detect_command(CLI::App& app, int& exit_code) {
       "Examples:\n  sextant detect mug.sxm --dataset data/sample --overlay out\n"
       "  sextant detect mug.sxm --color c.png --depth d.png --camera cam.yaml --table estimate");
   arguments->add_to(*command);
-  command->callback([arguments, &exit_code] { exit_code = static_cast<int>(run(*arguments)); });
+  command->callback([arguments, &exit_code] { exit_code = static_cast<int>(run_detect(*arguments)); });
   return command;
 }
 

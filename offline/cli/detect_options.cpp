@@ -49,6 +49,7 @@ void DetectArguments::add_to(CLI::App& command) {
   colour_option->excludes(set)->needs(depth_option)->needs(camera_option);
   command.add_option("--csv", csv, "BOP results file to write");
   command.add_option("--overlay", overlay, "folder for pictures with outlines and axes");
+  command.add_option("--proof", proof, "file for a certificate that `sextant verify` can check (slow)");
   command.add_option("--max-detections", detect.max_detections, "per object and image")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -62,6 +63,14 @@ void DetectArguments::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--table", table, "none | file | estimate | PITCH_DEG,HEIGHT_M[,ROLL_DEG]")
       ->capture_default_str();
+  command.add_option("--region", region,
+                     "\"X Y WIDTH HEIGHT\": only poses whose centre is there in the image, pixels");
+  command.add_option(
+      "--workspace", workspace,
+      "\"X0 X1 Y0 Y1 Z0 Z1\": only poses whose centre is there, metres; in the table's frame "
+      "(origin below the camera, z up, x where the camera looks) unless --camera-pose is given");
+  command.add_option("--camera-pose", camera_pose,
+                     "\"X Y Z QX QY QZ QW\": the camera in the robot's frame, for --workspace");
   command.add_option("--height-tolerance-m", detect.tolerance.height_m, "of the table constraint")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
@@ -87,6 +96,20 @@ void DetectArguments::add_to(CLI::App& command) {
       ->capture_default_str();
   command.add_option("--max-distance-m", detect.max_distance_m, "farthest object centre")
       ->capture_default_str();
+  command.add_flag("!--no-warm-start", detect.warm_start,
+                   "do not begin with the last image's poses; the answer is the same");
+  command.add_flag("--runner-up,!--no-runner-up", detect.runner_up,
+                   "prove how much worse the best other explanation is, on by default");
+  command.add_option("--runner-up-radius-m", detect.runner_up_radius_m, "other: farther from the pose, or")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  command.add_option("--runner-up-angle-deg", runner_up_angle_deg, "other: turned by more (up to symmetry)")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
+  command
+      .add_option("--runner-up-most", detect.runner_up_most,
+                  "a larger margin is only proven to be at least this, which is faster; inf: exactly")
+      ->capture_default_str();
   command.add_flag("--json", json, "one JSON object per image");
   command.add_flag("--require", require, "exit 1 where an image has no detection");
 }
@@ -97,7 +120,9 @@ DetectOptions DetectArguments::options() const {
   }
   DetectOptions out = detect;
   out.threshold = threshold;
+  out.region = region_from_text(region, workspace, camera_pose);
   out.tolerance.angle_rad = angle_tolerance_deg * kDegree;
+  out.runner_up_angle_rad = runner_up_angle_deg * kDegree;
   if (table == "none") {
     out.table = TableSource::kNone;
   } else if (table == "file") {

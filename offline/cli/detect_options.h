@@ -21,9 +21,12 @@ struct DetectArguments {
   std::filesystem::path colour, depth, camera;
   std::filesystem::path csv;
   std::filesystem::path overlay;
+  std::filesystem::path proof;
   std::string table = "file";
+  std::string region, workspace, camera_pose;
   DetectOptions detect;
   double angle_tolerance_deg = 12;
+  double runner_up_angle_deg = 30;
   std::optional<double> threshold;
   bool json = false;
   bool require = false;

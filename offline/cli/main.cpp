@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // sextant: the offline toolchain. Exit codes: 0 done, 1 nothing found where required, 2 wrong use, 3 bad
-// input, 4 a device or the network failed, 70 our bug.
+// input, 4 a device or the network failed, 5 a proof's claim is false, 70 our bug.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   sextant::add_inspect_command(app, exit_code);
   sextant::add_render_command(app, exit_code);
   sextant::add_detect_command(app, exit_code);
+  sextant::add_verify_command(app, exit_code);
   sextant::add_calibrate_command(app, exit_code);
   sextant::add_evaluate_command(app, exit_code);
   sextant::add_synthesize_command(app, exit_code);

@@ -54,6 +54,8 @@ std::string format_result_json(const FrameResult& result) {
                           {"log_score", estimate.log_score},
                           {"upper_bound", estimate.upper_bound},
                           {"gap", estimate.gap},
+                          {"runner_up_margin", estimate.runner_up_margin},
+                          {"runner_up_exact", estimate.runner_up_exact},
                           {"status", to_string(estimate.status)},
                           {"camera_from_object", pose},
                           {"covariance", covariance},

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "offline/mpi/mpi_compile.h"
+#include "offline/mpi/mpi_detect.h"
 #include "offline/mpi/mpi_tune.h"
 #include "runtime/base/error.h"
 #include "runtime/base/version.h"
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", sextant::kProgramVersion);
   sextant::add_mpi_compile_command(app, exit_code);
+  sextant::add_mpi_detect_command(app, exit_code);
   sextant::add_mpi_tune_command(app, exit_code);
   try {
     app.parse(argc, argv);

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -88,6 +89,16 @@ void check_config(const DaemonConfig& config, const std::string& where) {
     throw InputError(where, "detect.search_width is below 64",
                      "use 0 for the frame's own width, or 64..4096");
   }
+  try {
+    region_from_text(config.detect.region, config.detect.workspace, config.detect.camera_pose);
+  } catch (const UsageError& e) {
+    throw InputError(where, std::string("detect.region, workspace, camera_pose: ") + e.what());
+  }
+  if (!config.detect.workspace.empty() && config.detect.camera_pose.empty() &&
+      config.detect.table == "none") {
+    throw InputError(where, "detect.workspace is in the table's frame, but detect.table is none",
+                     "give detect.camera_pose, or let the table be known");
+  }
   check_topics(config, where);
 }
 
@@ -128,6 +139,11 @@ DetectOptions detect_options(const DaemonConfig& config) {
   options.search_width = d.search_width;
   options.min_distance_m = d.min_distance_m;
   options.max_distance_m = d.max_distance_m;
+  options.region = region_from_text(d.region, d.workspace, d.camera_pose);
+  options.runner_up = d.runner_up;
+  options.runner_up_radius_m = d.runner_up_radius_m;
+  options.runner_up_angle_rad = d.runner_up_angle_deg * kRadiansPerDegree;
+  options.runner_up_most = d.runner_up_most.value_or(std::numeric_limits<double>::infinity());
   return options;
 }
 

@@ -58,6 +58,13 @@ struct DaemonConfig {
     int search_width = DetectOptions().search_width;
     double min_distance_m = DetectOptions().min_distance_m;
     double max_distance_m = DetectOptions().max_distance_m;
+    std::string region;
+    std::string workspace;
+    std::string camera_pose;
+    bool runner_up = DetectOptions().runner_up;
+    double runner_up_radius_m = DetectOptions().runner_up_radius_m;
+    double runner_up_angle_deg = 30;
+    std::optional<double> runner_up_most = DetectOptions().runner_up_most;
   } detect;
 
   struct Publish {

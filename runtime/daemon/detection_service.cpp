@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "runtime/base/error.h"
-#include "runtime/daemon/image_region.h"
 
 namespace sextant {
 
@@ -184,14 +183,15 @@ struct DetectionService::Impl {
         return fmt::format("{} {}", on ? "looking for" : "no longer looking for", whom);
       }
       case CommandKind::kRegion: {
-        if (c.region != ImageRegion{} && (c.region[2] < kSmallestRegion || c.region[3] < kSmallestRegion)) {
+        if (c.region != ImageRegion{} && (c.region[2] < 1 || c.region[3] < 1)) {
           refuse(fmt::format("a region of {} x {} pixels is too small", c.region[2], c.region[3]),
-                 fmt::format("use at least {0} x {0}, or 0 0 0 0 for the whole image", kSmallestRegion));
+                 "use at least 1 x 1, or 0 0 0 0 for the whole image");
         }
-        try {
-          if (!image.empty()) check_region(c.region, image.width, image.height);
-        } catch (const InputError& error) {
-          refuse(error.what());
+        if (!image.empty() && (c.region[0] >= static_cast<std::uint32_t>(image.width) ||
+                               c.region[1] >= static_cast<std::uint32_t>(image.height))) {
+          refuse(fmt::format("the region from {}, {} does not lie inside the image of {} x {} pixels",
+                             c.region[0], c.region[1], image.width, image.height),
+                 "give x, y, width and height in pixels, or 0 0 0 0 for the whole image");
         }
         s.region = c.region;
         if (c.region == ImageRegion{}) return "looking at the whole image";
@@ -251,9 +251,10 @@ struct DetectionService::Impl {
       if (model.threshold) call.thresholds[model.name] = *model.threshold;
     }
     call.deadline_ms = s.deadline_ms;
-    FrameResult result = s.detector->detect(cut_to_region(frame, s.region), call);
-    move_boxes_back(result, s.region);
-    return result;
+    if (s.region != ImageRegion{}) {
+      std::copy(s.region.begin(), s.region.end(), call.image_region.emplace().begin());
+    }
+    return s.detector->detect(frame, call);
   }
 };
 

@@ -16,6 +16,7 @@
 #include "runtime/search/branch_and_bound.h"
 #include "runtime/search/lanes/lane_search.h"
 #include "runtime/search/reference/thesis_search.h"
+#include "runtime/search/seeds.h"
 
 namespace sextant {
 namespace {
@@ -33,6 +34,7 @@ struct SearchedObject {
   double floor = std::numeric_limits<double>::infinity();
   double threshold = 0;
   double largest_visual_radius = 0;
+  std::vector<LatticePose> last_found;  ///< in the last frame that was searched for it
 
   void prepare_for(double score) {
     if (score == floor) return;
@@ -54,6 +56,10 @@ void check(const DetectOptions& o) {
   }
   if (o.search_width != 0 && (o.search_width < 64 || o.search_width > 4096)) {
     throw UsageError("the search width must be 64..4096 pixels (0: the frame's)");
+  }
+  if (!(o.runner_up_radius_m >= 0) || !(o.runner_up_angle_rad >= 0 && o.runner_up_angle_rad <= 3.15) ||
+      !(o.runner_up_most > 0)) {
+    throw UsageError("the runner-up's ball must have a radius >= 0 m and 0..180 deg, its margin be above 0");
   }
   if (o.bound != "lanes" && o.bound != "window" && o.bound != "thesis") {
     throw UsageError("no bound is called \"" + o.bound + "\"", "use lanes, window or thesis");
@@ -152,6 +158,35 @@ struct Detector::Impl {
     return static_cast<int>(std::clamp(pixels, 2.0, 200.0));
   }
 
+  /// What the search of a frame starts from.
+  struct PreparedFrame {
+    SearchFrame rectified;
+    cv::Mat edges;
+    std::optional<SearchedTable> table;
+    std::vector<Constraint> constraints;  ///< one per model
+    int clip = 1;                         ///< of the tables, pixels
+  };
+
+  PreparedFrame prepare(const RgbdFrame& frame, const DetectCall& call) {
+    PreparedFrame out;
+    out.rectified = rectifier.rectified(frame);
+    out.edges = edge_finder.edges_by_direction(out.rectified.colour, kFrameEdges);
+    out.table = table_for(frame, out.rectified);
+    RegionOfInterest wanted = options.region;
+    if (call.image_region) wanted.image = call.image_region;
+    const SearchRegion region = search_region(wanted, frame.camera, out.rectified.camera,
+                                              out.table ? std::optional(out.table->table) : std::nullopt);
+    for (const ObjectModel& model : models) {
+      std::optional<TableConstraint> standing;
+      if (out.table)
+        standing = TableConstraint{out.table->table, out.table->tolerance, model.centre_height_m};
+      out.constraints.emplace_back(out.rectified.camera, options.min_distance_m, options.max_distance_m,
+                                   standing, region);
+    }
+    out.clip = clip_radius(out.rectified.camera, out.constraints);
+    return out;
+  }
+
   FrameResult detect(const RgbdFrame& frame, const DetectCall& call) {
     FrameResult result;
     result.captured_at = frame.captured_at;
@@ -161,9 +196,8 @@ struct Detector::Impl {
     result.image_id = frame.image_id;
 
     const auto start = Clock::now();
-    const SearchFrame rectified = rectifier.rectified(frame);
-    const cv::Mat edges = edge_finder.edges_by_direction(rectified.colour, kFrameEdges);
-    const std::optional<SearchedTable> table = table_for(frame, rectified);
+    const PreparedFrame prepared = prepare(frame, call);
+    const auto& [rectified, edges, table, constraints, clip] = prepared;
     result.seconds.features = seconds_since(start);
     if (table) result.table = table->table;
     result.table_origin = options.table == TableSource::kEstimate ? TableProvenance::kEstimate
@@ -171,14 +205,8 @@ struct Detector::Impl {
                                                                   : TableProvenance::kFrame;
 
     const auto tables_start = Clock::now();
-    std::vector<Constraint> constraints;
-    for (const ObjectModel& model : models) {
-      std::optional<TableConstraint> standing;
-      if (table) standing = TableConstraint{table->table, table->tolerance, model.centre_height_m};
-      constraints.emplace_back(rectified.camera, options.min_distance_m, options.max_distance_m, standing);
-    }
     const bool lanes = options.bound == "lanes";
-    tables.build(rectified, edges, clip_radius(rectified.camera, constraints), pool, !lanes);
+    tables.build(rectified, edges, clip, pool, !lanes);
     if (lanes) lane_tables.build(tables, pool);
     result.seconds.tables = seconds_since(tables_start);
 
@@ -189,6 +217,7 @@ struct Detector::Impl {
         lanes ? search_together(searched, call, search_start) : search_in_turn(searched, call, search_start);
     for (std::size_t i = 0; i < searched.size(); ++i) report(searched[i], frame, outcomes[i], result);
     result.seconds.search = seconds_since(search_start);
+    if (call.searched) call.searched(record(prepared, searched, outcomes));
 
     if (options.refine) {
       const auto refine_start = Clock::now();
@@ -248,6 +277,21 @@ struct Detector::Impl {
     return searched;
   }
 
+  SearchRecord record(const PreparedFrame& prepared, const std::vector<SearchedModel>& searched,
+                      const std::vector<SearchOutcome>& outcomes) const {
+    SearchRecord out{prepared.rectified, prepared.edges, prepared.clip, {}, options.tolerance, {}};
+    if (prepared.table) {
+      out.table = prepared.table->table;
+      out.tolerance = prepared.table->tolerance;
+    }
+    for (std::size_t i = 0; i < searched.size(); ++i) {
+      const SearchedModel& s = searched[i];
+      out.objects.push_back({s.index, objects[s.index].bins, *s.constraint, s.threshold,
+                             outcomes.empty() ? SearchOutcome{} : outcomes[i]});
+    }
+    return out;
+  }
+
   /// True when the time is over or the caller wants no more; empty where neither can happen.
   std::function<bool()> expiry(const DetectCall& call, Clock::time_point start, double share) const {
     const double deadline_ms = call.deadline_ms.value_or(options.deadline_ms);
@@ -258,15 +302,36 @@ struct Detector::Impl {
     return [end, &call] { return Clock::now() >= end || (call.stop && call.stop()); };
   }
 
+  /// What counts as another explanation of an object; empty where nobody asks.
+  std::optional<RunnerUpOptions> runner_up(std::size_t model) const {
+    if (!options.runner_up) return std::nullopt;
+    return RunnerUpOptions{
+        {options.runner_up_radius_m, options.runner_up_angle_rad, models[model].symmetry_deg},
+        options.runner_up_most};
+  }
+
+  /// The last frame's poses of an object, moved to the best pose near them in this frame.
+  std::vector<LatticePose> seeds(const SearchedModel& s) const {
+    std::vector<LatticePose> out;
+    if (!options.warm_start) return out;
+    const SearchProblem problem{objects[s.index].bins, tables, *s.constraint,
+                                models[s.index].bounding_radius_m};
+    for (const LatticePose& last : objects[s.index].last_found) {
+      if (const auto pose = climbed(problem, last)) out.push_back(pose->pose);
+    }
+    return out;
+  }
+
   /// All objects in one search under one deadline, best bound first.
   std::vector<SearchOutcome> search_together(const std::vector<SearchedModel>& searched,
                                              const DetectCall& call, Clock::time_point start) {
     LaneSearchProblem problem{tables, lane_tables, {}, expiry(call, start, 1)};
     for (const SearchedModel& s : searched) {
       problem.targets.push_back({objects[s.index].bins, objects[s.index].lane_bins, *s.constraint,
-                                 models[s.index].bounding_radius_m, options.max_detections, s.threshold});
+                                 models[s.index].bounding_radius_m, options.max_detections, s.threshold,
+                                 runner_up(s.index), seeds(s)});
     }
-    return lane_search.run(problem, pool);
+    return call.search ? call.search(problem) : lane_search.run(problem, pool);
   }
 
   /// The plain searches, one object after the other; each gets its share of the time that is left.
@@ -281,8 +346,15 @@ struct Detector::Impl {
           expiry(call, start, 1 / static_cast<double>(searched.size() - outcomes.size()));
       const SearchProblem problem{objects[s.index].bins, tables, *s.constraint,
                                   models[s.index].bounding_radius_m};
-      outcomes.push_back(options.bound == "thesis" ? thesis_search(problem, search_options)
-                                                   : branch_and_bound(problem, search_options, pool));
+      if (options.bound == "thesis") {
+        outcomes.push_back(thesis_search(problem, search_options));
+        continue;
+      }
+      outcomes.push_back(branch_and_bound(problem, search_options, pool));
+      if (const auto rivals = runner_up(s.index); rivals && outcomes.back().complete) {
+        outcomes.back().runner_ups =
+            plain_runner_ups(problem, outcomes.back().found, search_options, *rivals, pool);
+      }
     }
     return outcomes;
   }
@@ -295,6 +367,9 @@ struct Detector::Impl {
     const PinholeCamera& camera = searched.constraint->camera();
     result.nodes += outcome.nodes;
 
+    objects[index].last_found.clear();
+    for (const ScoredPose& found : outcome.found) objects[index].last_found.push_back(found.pose);
+
     ObjectOutcome summary;
     summary.model_index = index;
     summary.object_id = model.object_id;
@@ -305,7 +380,8 @@ struct Detector::Impl {
     summary.status = !outcome.complete       ? SearchStatus::kBounded
                      : outcome.found.empty() ? SearchStatus::kAbsent
                                              : SearchStatus::kOptimal;
-    for (const ScoredPose& found : outcome.found) {
+    for (std::size_t i = 0; i < outcome.found.size(); ++i) {
+      const ScoredPose& found = outcome.found[i];
       const RigidTransform camera_from_object = transform_from_pose(camera, pose_of(found.pose));
       PoseEstimate e;
       e.model_index = index;
@@ -318,6 +394,10 @@ struct Detector::Impl {
       e.upper_bound = outcome.upper_bound;
       e.gap = std::max(0.0, outcome.upper_bound - found.score);
       e.status = outcome.complete || e.gap == 0 ? SearchStatus::kOptimal : SearchStatus::kBounded;
+      if (i < outcome.runner_ups.size()) {
+        e.runner_up_margin = std::max(0.0, found.score - outcome.runner_ups[i].score);
+        e.runner_up_exact = outcome.runner_ups[i].exact;
+      }
       e.bbox = outline_box(model, frame.camera, camera_from_object);
       result.estimates.push_back(std::move(e));
     }
@@ -330,6 +410,10 @@ Detector::Detector(std::vector<ObjectModel> models, DetectOptions options)
 Detector::~Detector() = default;
 FrameResult Detector::detect(const RgbdFrame& frame, const DetectCall& call) {
   return impl_->detect(frame, call);
+}
+void Detector::prepare(const RgbdFrame& frame, const std::function<void(const SearchRecord&)>& visit) {
+  const Impl::PreparedFrame prepared = impl_->prepare(frame, {});
+  visit(impl_->record(prepared, impl_->searched_models({}, prepared.constraints), {}));
 }
 const std::vector<ObjectModel>& Detector::models() const { return impl_->models; }
 

@@ -3,6 +3,7 @@
 // `sextantd` both run exactly this.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -10,9 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "runtime/detect/region_of_interest.h"
 #include "runtime/frame/rgbd_frame.h"
+#include "runtime/frame/search_frame.h"
 #include "runtime/model/object_model.h"
 #include "runtime/refine/frame_result.h"
+#include "runtime/search/branch_and_bound.h"
+#include "runtime/search/lanes/lane_search.h"
 
 namespace sextant {
 
@@ -40,6 +45,32 @@ struct DetectOptions {
   double false_positive_rate = 0.1;    ///< wanted share of images with a false detection; 1: report all
   double min_distance_m = 0.35;        ///< nearest object centre searched
   double max_distance_m = 3.0;         ///< farthest
+  RegionOfInterest region;             ///< only poses with their centre in it; empty: everywhere
+  /// Begins a search with what the last frame's search of the same object found; the answer is the same.
+  bool warm_start = true;
+  /// Proves how well the best other explanation fits: outside of a ball around every pose that is reported.
+  bool runner_up = true;
+  double runner_up_radius_m = 0.03;                 ///< of the ball, positions, >= 0
+  double runner_up_angle_rad = 0.5235987755982988;  ///< of the ball, orientations, 0..pi (30 deg)
+  /// Margins of interest: a larger one is only proven to be at least this. Infinite: all are proven exactly.
+  double runner_up_most = 5;
+};
+
+/// What the search of one frame read and what it said, for whoever checks it. Valid during the call only.
+struct SearchRecord {
+  const SearchFrame& frame;
+  const cv::Mat& edges;                ///< edges_by_direction
+  int clip_radius;                     ///< of the frame's tables, pixels
+  std::optional<TableGeometry> table;  ///< empty: no constraint
+  TableTolerance tolerance;
+  struct Object {
+    std::size_t model_index;
+    const std::vector<ScoredBin>& bins;
+    const Constraint& constraint;
+    double threshold;
+    SearchOutcome outcome;  ///< empty where nothing was searched (Detector::prepare)
+  };
+  std::vector<Object> objects;  ///< those that were looked for
 };
 
 /// What may differ from frame to frame.
@@ -50,6 +81,11 @@ struct DetectCall {
   std::function<bool(const std::string&)> wanted{};  ///< by object name; empty: every object
   std::map<std::string, double> thresholds{};        ///< by object name, instead of the options'
   std::optional<double> deadline_ms{};               ///< instead of the options'; 0: none
+  /// Rectangle of the image instead of the options' region.
+  std::optional<std::array<double, 4>> image_region{};
+  /// Searches in the engine's place (bound "lanes"), for policies such as several processes.
+  std::function<std::vector<SearchOutcome>(const LaneSearchProblem&)> search{};
+  std::function<void(const SearchRecord&)> searched{};  ///< called once, after the search
 };
 
 /// Holds the models and all buffers; one frame at a time.
@@ -60,6 +96,8 @@ class Detector {
   ~Detector();
   /// Throws InputError where the frame is unusable (sizes, no table where one is needed).
   FrameResult detect(const RgbdFrame& frame, const DetectCall& call = {});
+  /// Everything up to the search, and no search.
+  void prepare(const RgbdFrame& frame, const std::function<void(const SearchRecord&)>& visit);
   const std::vector<ObjectModel>& models() const;
 
  private:

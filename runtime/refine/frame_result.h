@@ -49,8 +49,10 @@ struct PoseEstimate {
   double log_score = 0;       ///< the score that the search maximises
   double upper_bound = 0;     ///< no pose that is neither reported nor suppressed scores higher
   double gap = 0;             ///< max(0, upper_bound - log_score)
-  double runner_up_margin =
-      0;  ///< score of the best pose minus the proven best score outside a ball around it; 0: unknown
+  /// Proven: outside of the balls around the reported poses no pose that no better one suppresses has a score
+  /// that is less than this below log_score. 0: nothing is proven (not asked for, out of time, or a tie).
+  double runner_up_margin = 0;
+  bool runner_up_exact = false;  ///< such a pose exists exactly that far below; false: it may be farther
   SearchStatus status = SearchStatus::kOptimal;
   std::array<double, 4> bbox{};  ///< x, y, width, height, pixels of the source image
 };

@@ -85,6 +85,7 @@ class Search {
     if (node.region.empty() || suppressed(node.region)) return node;
     if (node.region.single()) {
       if (!problem_.constraint.contains(node.region.first())) return node;
+      if (options_.excluded.contains(bin_of(region), focal_, node.region.first())) return node;
       node.exact = true;
       node.bound = evaluate(bin_of(region), problem_.tables, node.region.first());
       return node;
@@ -95,9 +96,10 @@ class Search {
   }
 
   bool suppressed(const Region& region) const {
-    return std::any_of(boxes_.begin(), boxes_.end(), [&](const Box2& box) {
-      return suppressed_everywhere(bin_of(region), focal_, region, box);
-    });
+    return std::any_of(
+               boxes_.begin(), boxes_.end(),
+               [&](const Box2& box) { return suppressed_everywhere(bin_of(region), focal_, region, box); }) ||
+           options_.excluded.contains_all(bin_of(region), focal_, region);
   }
 
   void expand_batch() {

@@ -12,6 +12,7 @@
 #include "runtime/base/worker_pool.h"
 #include "runtime/search/constraint.h"
 #include "runtime/search/lattice.h"
+#include "runtime/search/runner_up.h"
 #include "runtime/search/scored_bin.h"
 #include "runtime/tables/frame_tables.h"
 
@@ -30,6 +31,7 @@ struct SearchOptions {
   double threshold = 0;    ///< score that a detection must reach (>=)
   /// True when the search must stop now; asked once per batch. Empty: never.
   std::function<bool()> expired;
+  Exclusion excluded;  ///< poses that do not count
 };
 
 /// A detection with its score.
@@ -45,6 +47,8 @@ struct SearchOutcome {
   /// Every feasible pose that is neither found nor suppressed by a found one scores at most this.
   double upper_bound = 0;
   std::uint64_t nodes = 0;  ///< regions bounded
+  /// Where asked for and the answer is complete: the best other explanation of every found pose.
+  std::vector<RunnerUp> runner_ups;
 };
 
 /// Runs the search. With the same problem and options a completed search gives the same poses, scores and

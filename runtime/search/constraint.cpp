@@ -34,6 +34,15 @@ Region Constraint::whole(int bin_index, const RotationBox& box) const {
   r.bin = bin_index;
   r.hi[kX] = static_cast<std::int16_t>(camera_.width - 1);
   r.hi[kY] = static_cast<std::int16_t>(camera_.height - 1);
+  if (region_.image) {
+    const auto within = [](int value, int limit) {
+      return static_cast<std::int16_t>(std::clamp(value, -1, limit));
+    };
+    r.lo[kX] = std::max(r.lo[kX], within(region_.image->x0, camera_.width));
+    r.lo[kY] = std::max(r.lo[kY], within(region_.image->y0, camera_.height));
+    r.hi[kX] = std::min(r.hi[kX], within(region_.image->x1, camera_.width));
+    r.hi[kY] = std::min(r.hi[kY], within(region_.image->y1, camera_.height));
+  }
   r.lo[kZ] = static_cast<std::int16_t>(nearest_index());
   r.hi[kZ] = static_cast<std::int16_t>(farthest_index());
   for (std::size_t a = 0; a < 3; ++a) {
@@ -44,15 +53,34 @@ Region Constraint::whole(int bin_index, const RotationBox& box) const {
 }
 
 bool Constraint::contains(const LatticePose& pose) const {
+  if (region_.image && (pose.at[kX] < region_.image->x0 || pose.at[kX] > region_.image->x1 ||
+                        pose.at[kY] < region_.image->y0 || pose.at[kY] > region_.image->y1)) {
+    return false;
+  }
+  if (region_.workspace &&
+      !region_.workspace->contains(pose.at[kZ] * kLatticeDistance * camera_.ray(pose.at[kX], pose.at[kY]))) {
+    return false;
+  }
   if (!table_) return true;
   return table_constraint_contains(camera_, table_->table, table_->centre_height_m, table_->tolerance,
                                    pose_of(pose));
 }
 
+Constraint::Steps Constraint::workspace_steps(Interval x, Interval y) const {
+  if (!region_.workspace) return {};
+  const Interval z = region_.workspace->distances_over(camera_, x, y);
+  if (z.empty()) return {1, 0};
+  return {first_at_or_above(z.lo / kLatticeDistance), last_at_or_below(z.hi / kLatticeDistance)};
+}
+
 Region Constraint::tightened(Region region) const {
-  if (!table_ || region.empty()) return region;
+  if (region.empty()) return region;
   const Interval x{static_cast<double>(region.lo[kX]), static_cast<double>(region.hi[kX])};
   const Interval y{static_cast<double>(region.lo[kY]), static_cast<double>(region.hi[kY])};
+  const Steps steps = workspace_steps(x, y);
+  region.lo[kZ] = static_cast<std::int16_t>(std::max<int>(region.lo[kZ], steps.lo));
+  region.hi[kZ] = static_cast<std::int16_t>(std::min<int>(region.hi[kZ], steps.hi));
+  if (!table_ || region.empty()) return region;
   const UprightRange upright = upright_range_over(camera_, table_->table.up_in_camera, x, y);
   const Interval z = table_distance_range(table_->table, table_->centre_height_m, table_->tolerance,
                                           upright.sine_of_elevation);
@@ -97,10 +125,21 @@ CellRange Constraint::over_cell(int x0, int y0, int x1, int y1) const {
   x1 = std::min(x1, camera_.width - 1);
   y1 = std::min(y1, camera_.height - 1);
   if (x0 > x1 || y0 > y1 || x0 < 0 || y0 < 0) return range;
+  if (region_.image) {
+    x0 = std::max(x0, region_.image->x0);
+    y0 = std::max(y0, region_.image->y0);
+    x1 = std::min(x1, region_.image->x1);
+    y1 = std::min(y1, region_.image->y1);
+    if (x0 > x1 || y0 > y1) return range;
+  }
+  const Steps steps = workspace_steps({static_cast<double>(x0), static_cast<double>(x1)},
+                                      {static_cast<double>(y0), static_cast<double>(y1)});
+  const int nearest = std::max(nearest_index(), steps.lo), farthest = std::min(farthest_index(), steps.hi);
+  if (nearest > farthest) return range;
   constexpr std::int16_t kAny = 400;  // degrees: wider than every bin
   if (!table_) {
-    range.offset_lo = nearest_index();
-    range.offset_hi = farthest_index();
+    range.offset_lo = nearest;
+    range.offset_hi = farthest;
     range.rx_lo = range.ry_lo = -kAny;
     range.rx_hi = range.ry_hi = kAny;
     return range;
@@ -111,8 +150,9 @@ CellRange Constraint::over_cell(int x0, int y0, int x1, int y1) const {
   const double drop = table_->table.camera_height_m - table_->centre_height_m;
   const Interval& sine = upright.sine_of_elevation;
   const Interval z = table_distance_range(table_->table, table_->centre_height_m, table_->tolerance, sine);
-  if (z.empty() || z.lo > max_distance_m_ + kLatticeDistance || z.hi < min_distance_m_ - kLatticeDistance)
+  if (z.empty() || z.lo > (farthest + 1) * kLatticeDistance || z.hi < (nearest - 1) * kLatticeDistance) {
     return range;
+  }
   const double angle = table_->tolerance.angle_rad;
   const Interval ry = upright.ry.widened(angle);
   const Interval rx = upright.rx.widened(angle);

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The feasible set (METHOD.md section 6): the lattice poses of a bin whose centre lies in the image and the
-// range of distances and, where a table is known, which stand on it (Davies 2015, Procs. 21-28).
+// range of distances, in the region of interest where there is one, and which stand on the table where that
+// is known (Davies 2015, Procs. 21-28).
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "runtime/geometry/table_geometry.h"
 #include "runtime/model/object_model.h"
 #include "runtime/search/lattice.h"
+#include "runtime/search/search_region.h"
 
 namespace sextant {
 
@@ -30,10 +33,14 @@ struct CellRange {
 class Constraint {
  public:
   Constraint(const PinholeCamera& camera, double min_distance_m, double max_distance_m,
-             std::optional<TableConstraint> table)
-      : camera_(camera), min_distance_m_(min_distance_m), max_distance_m_(max_distance_m), table_(table) {}
+             std::optional<TableConstraint> table, SearchRegion region = {})
+      : camera_(camera),
+        min_distance_m_(min_distance_m),
+        max_distance_m_(max_distance_m),
+        table_(table),
+        region_(std::move(region)) {}
 
-  /// All lattice poses of a bin before the table constraint.
+  /// All lattice poses of a bin before the table constraint and the workspace; may be empty().
   Region whole(int bin_index, const RotationBox& box) const;
   /// CONSTRAINT-CONTAINS (Proc. 21), z included. The pose is one of whole().
   bool contains(const LatticePose& pose) const;
@@ -56,10 +63,17 @@ class Constraint {
   double coverage(const std::vector<ViewpointBin>& bins) const;
 
  private:
+  /// Lattice steps of z (closed; lo > hi: none) at which the workspace is met over a rectangle of pixels.
+  struct Steps {
+    int lo = -32000, hi = 32000;
+  };
+  Steps workspace_steps(Interval x, Interval y) const;
+
   PinholeCamera camera_;
   double min_distance_m_;
   double max_distance_m_;
   std::optional<TableConstraint> table_;
+  SearchRegion region_;
 };
 
 }  // namespace sextant

@@ -13,6 +13,7 @@
 #include "runtime/search/lanes/frontier.h"
 #include "runtime/search/lanes/lane_bound.h"
 #include "runtime/search/lanes/lane_branching.h"
+#include "runtime/search/seeds.h"
 #include "runtime/search/suppression.h"
 
 namespace sextant {
@@ -70,32 +71,62 @@ class TileGrid {
   std::vector<std::atomic<LaneTile*>> tiles_;
 };
 
+/// What a search does for one object at the moment.
+enum class Phase : std::uint8_t {
+  kFind,   ///< looks for the next detection
+  kHeld,   ///< its detections are known; other objects' are not yet
+  kRival,  ///< looks for the best other explanation of a detection
+  kDone,
+};
+
 /// One object's state during a search.
 struct TargetState {
   const LaneTarget* target = nullptr;
   int first_bin = 0;  ///< among the bins of all objects
   std::array<TileGrid, kLaneStages.size()> grids;
-  std::vector<Box2> boxes;         ///< of what was found
-  std::vector<ScoredPose> leaves;  ///< poses evaluated so far, where more than one detection is wanted
+  std::vector<Box2> boxes;         ///< of what suppresses: all detections, or those better than the rival's
+  std::vector<PoseBall> balls;     ///< around the detections, while rivals are looked for
+  std::vector<ScoredPose> leaves;  ///< poses evaluated so far, where later passes may want them
   SearchOutcome outcome;
-  bool done = false;
+  Phase phase = Phase::kFind;
   std::mutex mutex;  ///< guards best and leaves
   ScoredPose best{{}, kNever};
   std::atomic<double> best_score{kNever};
 
   bool last_wanted() const { return static_cast<int>(outcome.found.size()) + 1 >= target->max_detections; }
+  /// Rivals of this detection or of later ones do not matter below this.
+  double floor_of_rival(std::size_t i) const {
+    return rival_floor(outcome.found[i].score, target->threshold, *target->runner_up);
+  }
+  bool last_rival() const { return outcome.runner_ups.size() + 1 >= outcome.found.size(); }
   /// Nodes below this cannot hold the pose that the pass looks for.
   double wanted() const {
-    if (done) return std::numeric_limits<double>::infinity();
-    return std::max(target->threshold, best_score.load(std::memory_order_relaxed));
+    const double best_now = best_score.load(std::memory_order_relaxed);
+    if (phase == Phase::kFind) return std::max(target->threshold, best_now);
+    if (phase == Phase::kRival) return std::max(floor_of_rival(outcome.runner_ups.size()), best_now);
+    return std::numeric_limits<double>::infinity();
   }
   /// Nodes below this are of no use to later passes either.
-  double useful() const { return done || last_wanted() ? wanted() : target->threshold; }
+  double useful() const {
+    if (phase == Phase::kDone) return wanted();
+    if (phase == Phase::kFind) {
+      if (!last_wanted()) return target->threshold;
+      if (!target->runner_up) return wanted();
+      return rival_floor(best_score.load(std::memory_order_relaxed), target->threshold, *target->runner_up);
+    }
+    return phase == Phase::kRival && last_rival() ? wanted() : floor_of_rival(outcome.found.size() - 1);
+  }
+  /// Whether poses that do not matter in this pass may in a later one.
+  bool keeps() const { return target->runner_up ? phase != Phase::kDone : !last_wanted(); }
 
   void offer(const ScoredPose& pose) {
     const std::lock_guard lock(mutex);
-    if (!last_wanted()) leaves.push_back(pose);
+    if (keeps()) leaves.push_back(pose);
     take_if_better(pose);
+  }
+  void keep(const ScoredPose& pose) {
+    const std::lock_guard lock(mutex);
+    leaves.push_back(pose);
   }
   void take_if_better(const ScoredPose& pose) {
     if (pose.score < best.score || (pose.score == best.score && !(pose.pose < best.pose))) return;
@@ -194,7 +225,7 @@ struct LaneSearch::Impl {
     return node.bound >= s.useful();
   }
 
-  void make_roots(WorkerPool& pool) {
+  void make_roots(WorkerPool& pool, LaneShare share) {
     struct Task {
       TargetState* state;
       std::size_t tile;
@@ -202,7 +233,9 @@ struct LaneSearch::Impl {
     };
     std::vector<Task> tasks;
     for (auto& s : states) {
-      for (std::size_t i = 0; i < s->grids[0].size(); ++i) tasks.push_back({s.get(), i, {}});
+      for (std::size_t i = share.index; i < s->grids[0].size(); i += share.count) {
+        tasks.push_back({s.get(), i, {}});
+      }
     }
     std::atomic<std::size_t> next{0};
     pool.for_each(static_cast<std::size_t>(pool.threads()), [&](std::size_t me) {
@@ -215,7 +248,7 @@ struct LaneSearch::Impl {
     std::stable_sort(all.begin(), all.end(),
                      [](const LaneNode& a, const LaneNode& b) { return a.bound < b.bound; });
     for (std::size_t i = 0; i < all.size(); ++i) workers[i % active]->frontier.put(all[i]);
-    for (auto& w : workers) counters.roots += w->counters.coarse;
+    outstanding.fetch_add(static_cast<std::int64_t>(all.size()));
   }
 
   void roots_of_tile(Worker& w, TargetState& s, std::size_t index, std::vector<LaneNode>& out) {
@@ -248,11 +281,10 @@ struct LaneSearch::Impl {
     }
   }
 
-  /// Lanes all of whose poses are suppressed by what was found.
-  std::uint64_t suppressed_lanes(TargetState& s, const LaneNode& node) {
-    if (s.boxes.empty()) return 0;
+  /// Lanes for all of whose poses something is true.
+  template <typename TrueEverywhere>
+  std::uint64_t lanes_where(TargetState& s, const LaneNode& node, TrueEverywhere true_everywhere) {
     const LaneTile& tile = s.grids[node.stage].at(node.x0, node.y0);
-    const ScoredBin& bin = s.target->bins[local_bin(s, node)];
     const int cell = kLaneStages[node.stage].cell;
     std::uint64_t out = 0;
     for (std::uint64_t left = node.alive; left != 0; left &= left - 1) {
@@ -265,12 +297,32 @@ struct LaneSearch::Impl {
       r.hi[kY] = static_cast<std::int16_t>(r.lo[kY] + cell - 1);
       r.lo[kZ] = static_cast<std::int16_t>(std::max(1, tile.anchor_lo[i] + node.offset_lo));
       r.hi[kZ] = static_cast<std::int16_t>(std::max(1, tile.anchor_hi[i] + node.offset_hi));
-      if (std::any_of(s.boxes.begin(), s.boxes.end(),
-                      [&](const Box2& box) { return suppressed_everywhere(bin, focal, r, box); })) {
-        out |= std::uint64_t{1} << lane;
+      for (std::size_t a = 0; a < 3; ++a) {
+        r.lo[kRx + a] = node.lo[a];
+        r.hi[kRx + a] = node.hi[a];
       }
+      if (true_everywhere(r)) out |= std::uint64_t{1} << lane;
     }
     return out;
+  }
+
+  /// Lanes all of whose poses are suppressed by what was found.
+  std::uint64_t suppressed_lanes(TargetState& s, const LaneNode& node) {
+    if (s.boxes.empty()) return 0;
+    const ScoredBin& bin = s.target->bins[local_bin(s, node)];
+    return lanes_where(s, node, [&](const Region& r) {
+      return std::any_of(s.boxes.begin(), s.boxes.end(),
+                         [&](const Box2& box) { return suppressed_everywhere(bin, focal, r, box); });
+    });
+  }
+
+  /// Lanes all of whose poses are too much like a detection to be another explanation.
+  std::uint64_t lanes_in_balls(TargetState& s, const LaneNode& node) {
+    if (s.balls.empty()) return 0;
+    return lanes_where(s, node, [&](const Region& r) {
+      return std::any_of(s.balls.begin(), s.balls.end(),
+                         [&](const PoseBall& ball) { return ball.contains_all(r); });
+    });
   }
 
   /// Parks the lanes of a single node that only a later pass may want; the others remain.
@@ -299,6 +351,18 @@ struct LaneSearch::Impl {
     return node;
   }
 
+  bool suppressed(const TargetState& s, const LatticePose& pose) const {
+    if (s.boxes.empty()) return false;
+    const Box2 box = box_of(s.target->bins[static_cast<std::size_t>(pose.bin)], focal, pose);
+    return std::any_of(s.boxes.begin(), s.boxes.end(), [&](const Box2& other) {
+      return intersection_over_union(box, other) > kSuppressionIou;
+    });
+  }
+  static bool in_balls(const TargetState& s, const LatticePose& pose) {
+    return std::any_of(s.balls.begin(), s.balls.end(),
+                       [&](const PoseBall& ball) { return ball.contains(pose); });
+  }
+
   /// A node of the last stage with one distance and rotation per pixel: its poses, exactly.
   void evaluate_lanes(Worker& w, TargetState& s, const LaneNode& node) {
     const LaneTile& tile = s.grids[node.stage].at(node.x0, node.y0);
@@ -316,16 +380,12 @@ struct LaneSearch::Impl {
       if (!constraint.contains(pose)) continue;
       ++w.counters.evaluations;
       const double score = evaluate(bin, problem->exact, pose);
-      if (score < s.useful()) continue;
-      if (!s.boxes.empty()) {
-        const Box2 box = box_of(bin, focal, pose);
-        if (std::any_of(s.boxes.begin(), s.boxes.end(), [&](const Box2& other) {
-              return intersection_over_union(box, other) > kSuppressionIou;
-            })) {
-          continue;
-        }
+      if (score < s.useful() || in_balls(s, pose)) continue;
+      if (!suppressed(s, pose)) {
+        s.offer({pose, score});
+      } else if (s.phase == Phase::kFind && s.keeps() && s.target->runner_up) {
+        s.keep({pose, score});
       }
-      s.offer({pose, score});
     }
   }
 
@@ -455,7 +515,13 @@ struct LaneSearch::Impl {
         if (node.bound >= s.useful()) w.parked.push_back(node);
         continue;
       }
-      node.alive &= ~suppressed_lanes(s, node);
+      node.alive &= ~lanes_in_balls(s, node);
+      const std::uint64_t hidden = suppressed_lanes(s, node);
+      if (hidden != 0 && s.phase == Phase::kFind && s.target->runner_up) {
+        w.parked.push_back(node);  // may hold another explanation of what hides it
+        w.parked.back().alive = hidden;
+      }
+      node.alive &= ~hidden;
       if (node.alive == 0) continue;
       expand(w, node, w.children);
       const auto waiting = static_cast<std::uint64_t>(outstanding.load(std::memory_order_relaxed));
@@ -483,6 +549,117 @@ struct LaneSearch::Impl {
 
   /// Searches until every object's best remaining pose is known. False: out of time.
   bool pass(WorkerPool& pool) {
+    unpark();
+    pool.for_each(active, [&](std::size_t me) { work(me); });
+    return !stop.load();
+  }
+
+  /// The best of the poses evaluated so far that count.
+  void best_of_leaves(TargetState& s) {
+    s.best = {{}, kNever};
+    s.best_score = kNever;
+    for (const ScoredPose& leaf : s.leaves) {
+      if (!suppressed(s, leaf.pose)) s.take_if_better(leaf);
+    }
+  }
+
+  /// The best pose of an object becomes a detection; the leaves that it suppresses go, unless they may be
+  /// another explanation of it.
+  void take_best(TargetState& s) {
+    const LaneTarget& t = *s.target;
+    s.outcome.found.push_back(s.best);
+    s.boxes.push_back(box_of(t.bins[static_cast<std::size_t>(s.best.pose.bin)], focal, s.best.pose));
+    if (!t.runner_up) {
+      std::erase_if(s.leaves, [&](const ScoredPose& leaf) { return suppressed(s, leaf.pose); });
+    }
+    if (static_cast<int>(s.outcome.found.size()) >= t.max_detections) {
+      s.phase = t.runner_up ? Phase::kHeld : Phase::kDone;
+    } else {
+      best_of_leaves(s);
+    }
+  }
+
+  /// From detections to their rivals: what lies in the balls does not count from here on.
+  void start_rivals(TargetState& s) {
+    if (s.phase != Phase::kHeld) return;
+    for (const ScoredPose& f : s.outcome.found) {
+      s.balls.emplace_back(s.target->constraint.camera(), f.pose, s.target->runner_up->ball);
+    }
+    s.boxes.clear();
+    std::erase_if(s.leaves, [&](const ScoredPose& leaf) { return in_balls(s, leaf.pose); });
+    best_of_leaves(s);
+    s.phase = Phase::kRival;
+  }
+
+  /// The pass has proven the best rival of one detection; on to the next detection's.
+  void take_rival(TargetState& s, double bound_of_rest) {
+    const std::size_t i = s.outcome.runner_ups.size();
+    const double floor = s.floor_of_rival(i);
+    const bool exact = s.best.score >= std::max(floor, bound_of_rest);
+    s.outcome.runner_ups.push_back({std::max({floor, bound_of_rest, s.best.score}), exact});
+    const ScoredPose& f = s.outcome.found[i];
+    s.boxes.push_back(box_of(s.target->bins[static_cast<std::size_t>(f.pose.bin)], focal, f.pose));
+    best_of_leaves(s);
+    if (i + 1 == s.outcome.found.size()) s.phase = Phase::kDone;
+  }
+
+  template <typename Visit>
+  void for_each_waiting(Visit visit) {
+    for (const auto& w : workers) {
+      w->frontier.for_each(visit);
+      for (const LaneNode& node : w->parked) visit(node);
+    }
+  }
+
+  /// Out of time: the highest bound of what is left for each object.
+  double highest_waiting(TargetState& s) {
+    double highest = kNever;
+    for_each_waiting([&](const LaneNode& node) {
+      if (&state_of(node) != &s || node.bound <= highest) return;
+      if ((node.alive & ~suppressed_lanes(s, node) & ~lanes_in_balls(s, node)) == 0) return;
+      highest = static_cast<double>(node.bound);
+    });
+    return highest;
+  }
+
+  /// elsewhere: per object, the highest that waits in other processes.
+  void finish(bool complete, const std::vector<double>& elsewhere) {
+    const auto highest = [&](TargetState& s, std::size_t i) {
+      return std::max(highest_waiting(s), elsewhere.empty() ? kNever : elsewhere[i]);
+    };
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      auto& s = states[i];
+      SearchOutcome& o = s->outcome;
+      const LaneTarget& t = *s->target;
+      o.complete = complete || s->phase != Phase::kFind;
+      while (s->phase == Phase::kFind && s->best.score > kNever) take_best(*s);
+      const bool full = static_cast<int>(o.found.size()) >= t.max_detections;
+      o.upper_bound = full ? std::max(t.threshold, o.found.back().score) : t.threshold;
+      if (!o.complete) {
+        o.upper_bound = std::max(o.upper_bound, highest(*s, i));
+        continue;
+      }
+      start_rivals(*s);
+      while (s->phase == Phase::kRival) take_rival(*s, highest(*s, i));
+    }
+  }
+
+  std::size_t active = 1;
+  std::uint64_t answered = 0;  ///< nodes bounded until all detections were known
+
+  void plant_seeds() {
+    for (auto& s : states) {
+      const LaneTarget& t = *s->target;
+      const SearchProblem space{t.bins, problem->exact, t.constraint, t.bounding_radius_m};
+      for (const LatticePose& seed : t.seeds) {
+        const auto score = score_of(space, seed);
+        if (score && *score >= t.threshold) s->offer({seed, *score});
+      }
+    }
+  }
+
+  /// What was parked waits again.
+  void unpark() {
     std::int64_t waiting = 0;
     for (std::size_t i = 0; i < active; ++i) {
       Worker& w = *workers[i];
@@ -491,71 +668,41 @@ struct LaneSearch::Impl {
       waiting += static_cast<std::int64_t>(w.frontier.size());
     }
     outstanding = waiting;
-    pool.for_each(active, [&](std::size_t me) { work(me); });
-    return !stop.load();
   }
 
-  /// The best pose of an object becomes a detection; the leaves that it suppresses go.
-  void take_best(TargetState& s) {
-    const LaneTarget& t = *s.target;
-    const Box2 box = box_of(t.bins[static_cast<std::size_t>(s.best.pose.bin)], focal, s.best.pose);
-    s.outcome.found.push_back(s.best);
-    s.boxes.push_back(box);
-    s.best = {{}, kNever};
-    s.best_score = kNever;
-    std::erase_if(s.leaves, [&](const ScoredPose& leaf) {
-      return intersection_over_union(
-                 box_of(t.bins[static_cast<std::size_t>(leaf.pose.bin)], focal, leaf.pose), box) >
-             kSuppressionIou;
-    });
-    s.done = static_cast<int>(s.outcome.found.size()) >= t.max_detections;
-    if (s.done) return;
-    for (const ScoredPose& leaf : s.leaves) s.take_if_better(leaf);
+  std::uint64_t bounded() const {
+    std::uint64_t nodes = 0;
+    for (const auto& w : workers) nodes += w->counters.coarse + w->counters.fine;
+    return nodes;
   }
 
-  void finish(bool complete) {
-    for (auto& s : states) {
-      SearchOutcome& o = s->outcome;
-      const LaneTarget& t = *s->target;
-      o.complete = complete || s->done;
-      while (!o.complete && !s->done && s->best.score > kNever) take_best(*s);
-      const bool full = static_cast<int>(o.found.size()) >= t.max_detections;
-      o.upper_bound = full ? std::max(t.threshold, o.found.back().score) : t.threshold;
-    }
-    if (complete) return;
-    for (const auto& w : workers) {
-      const auto raise = [&](const LaneNode& node) {
-        TargetState& s = state_of(node);
-        if (s.outcome.complete || (node.alive & ~suppressed_lanes(s, node)) == 0) return;
-        s.outcome.upper_bound = std::max(s.outcome.upper_bound, static_cast<double>(node.bound));
-      };
-      w->frontier.for_each(raise);
-      for (const LaneNode& node : w->parked) raise(node);
-    }
+  bool any_in(Phase phase) const {
+    return std::any_of(states.begin(), states.end(), [&](const auto& s) { return s->phase == phase; });
   }
 
-  std::size_t active = 1;
-
-  std::vector<SearchOutcome> run(const LaneSearchProblem& p, WorkerPool& pool) {
-    active = static_cast<std::size_t>(pool.threads());
-    prepare(p, active);
-    make_roots(pool);
-    bool in_time = !stop.load();
-    probe_best(kProbes);
-    while (in_time && std::any_of(states.begin(), states.end(), [](const auto& s) { return !s->done; })) {
-      in_time = pass(pool);
-      if (!in_time) break;
+  /// Nothing waits: the best pose of every object is what this pass looked for. False: all is proven.
+  bool end_pass() {
+    if (any_in(Phase::kFind)) {
       for (auto& s : states) {
-        if (s->done) continue;
+        if (s->phase != Phase::kFind) continue;
         if (s->best.score > kNever) {
           take_best(*s);
-        } else {
-          s->done = true;  // nothing is left above the threshold
-          s->outcome.complete = true;
+        } else {  // nothing is left above the threshold
+          s->phase = s->outcome.found.empty() || !s->target->runner_up ? Phase::kDone : Phase::kHeld;
         }
       }
+      if (any_in(Phase::kFind)) return true;
+      answered = bounded();
+      for (auto& s : states) start_rivals(*s);
+    } else {
+      for (auto& s : states) {
+        if (s->phase == Phase::kRival) take_rival(*s, kNever);
+      }
     }
-    finish(in_time);
+    return any_in(Phase::kRival);
+  }
+
+  std::vector<SearchOutcome> outcomes() {
     std::vector<SearchOutcome> out;
     for (auto& w : workers) {
       counters.coarse += w->counters.coarse;
@@ -564,10 +711,33 @@ struct LaneSearch::Impl {
       counters.evaluations += w->counters.evaluations;
       counters.most_waiting = std::max(counters.most_waiting, w->counters.most_waiting);
     }
+    counters.rival = answered > 0 ? counters.coarse + counters.fine - answered : 0;
     for (auto& s : states) out.push_back(std::move(s->outcome));
     if (!out.empty()) out[0].nodes = counters.coarse + counters.fine;
     states.clear();
     return out;
+  }
+
+  void begin(const LaneSearchProblem& p, WorkerPool& pool, LaneShare share) {
+    active = static_cast<std::size_t>(pool.threads());
+    answered = 0;
+    prepare(p, active);
+    plant_seeds();
+    make_roots(pool, share);
+    for (auto& w : workers) counters.roots += w->counters.coarse;
+    probe_best(kProbes);
+  }
+
+  std::vector<SearchOutcome> run(const LaneSearchProblem& p, WorkerPool& pool) {
+    begin(p, pool, {});
+    bool in_time = !stop.load();
+    bool more = any_in(Phase::kFind);
+    while (in_time && more) {
+      in_time = pass(pool);
+      if (in_time) more = end_pass();
+    }
+    finish(in_time, {});
+    return outcomes();
   }
 };
 
@@ -577,5 +747,81 @@ std::vector<SearchOutcome> LaneSearch::run(const LaneSearchProblem& problem, Wor
   return impl_->run(problem, pool);
 }
 const LaneCounters& LaneSearch::counters() const { return impl_->counters; }
+
+void LaneSearch::begin(const LaneSearchProblem& problem, LaneShare share) {
+  WorkerPool serial(1);
+  impl_->begin(problem, serial, share);
+  impl_->unpark();
+}
+
+void LaneSearch::add_roots(LaneShare share) {
+  WorkerPool serial(1);
+  impl_->make_roots(serial, share);
+}
+
+void LaneSearch::step(std::size_t nodes) {
+  Worker& w = *impl_->workers[0];
+  for (; nodes > 0 && !w.frontier.empty(); --nodes) {
+    const LaneNode node = w.frontier.take();
+    impl_->process(w, node);
+    impl_->outstanding.fetch_sub(1);
+  }
+}
+
+std::size_t LaneSearch::waiting() const { return impl_->workers[0]->frontier.size(); }
+
+std::size_t LaneSearch::kept() const {
+  std::size_t kept = impl_->workers[0]->parked.size();
+  for (const auto& s : impl_->states) kept += s->leaves.size();
+  return kept;
+}
+
+std::vector<LaneNode> LaneSearch::give(std::size_t most) {
+  Frontier& frontier = impl_->workers[0]->frontier;
+  std::vector<LaneNode> nodes;
+  while (nodes.size() < most && !frontier.empty()) nodes.push_back(frontier.take());
+  impl_->outstanding.fetch_sub(static_cast<std::int64_t>(nodes.size()));
+  return nodes;
+}
+
+void LaneSearch::take(const std::vector<LaneNode>& nodes) { impl_->put(*impl_->workers[0], nodes); }
+
+std::vector<ScoredPose> LaneSearch::bests() const {
+  std::vector<ScoredPose> out;
+  for (const auto& s : impl_->states) out.push_back(s->best);
+  return out;
+}
+
+void LaneSearch::offer(std::size_t target, const ScoredPose& pose) {
+  impl_->states[target]->take_if_better(pose);
+}
+
+bool LaneSearch::advance(const std::vector<ScoredPose>& bests) {
+  for (std::size_t i = 0; i < bests.size(); ++i) impl_->states[i]->take_if_better(bests[i]);
+  const bool more = impl_->end_pass();
+  impl_->unpark();
+  return more;
+}
+
+std::vector<double> LaneSearch::highest_waiting() {
+  std::vector<double> out;
+  for (auto& s : impl_->states) out.push_back(impl_->highest_waiting(*s));
+  return out;
+}
+
+std::vector<double> LaneSearch::highest_possible() const {
+  std::vector<double> out;
+  for (const auto& s : impl_->states) {
+    double highest = kNever;
+    for (const ScoredBin& bin : s->target->bins) highest = std::max(highest, bin.offset);
+    out.push_back(highest);
+  }
+  return out;
+}
+
+std::vector<SearchOutcome> LaneSearch::finish(bool complete, const std::vector<double>& elsewhere) {
+  impl_->finish(complete, elsewhere);
+  return impl_->outcomes();
+}
 
 }  // namespace sextant

@@ -43,6 +43,8 @@ TEST(ResultJson, HasExactlyTheDocumentedKeys) {
   estimate.log_score = -3;
   estimate.upper_bound = -2;
   estimate.gap = 1;
+  estimate.runner_up_margin = 12.5;
+  estimate.runner_up_exact = true;
   estimate.status = SearchStatus::kBounded;
   estimate.camera_from_object.linear() << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   estimate.camera_from_object.translation() = Eigen::Vector3d(5, 6, 7);
@@ -56,6 +58,7 @@ TEST(ResultJson, HasExactlyTheDocumentedKeys) {
     "objects": [{"obj_id": 7, "status": "absent", "upper_bound": null, "coverage": 0.5, "doubtful": 2,
       "least_confidence": 0.25}],
     "detections": [{"obj_id": 8, "score": 0.75, "evidence_share": 0.5, "log_score": -3.0, "upper_bound": -2.0, "gap": 1.0,
+      "runner_up_margin": 12.5, "runner_up_exact": true,
       "status": "bounded", "camera_from_object": [[0,-1,0,5],[1,0,0,6],[0,0,1,7],[0,0,0,1]],
       "covariance": [[1,0,0,0,0,0],[0,2,0,0,0,0],[0,0,3,0,0,0],[0,0,0,4,0,0],[0,0,0,0,5,0],[0,0,0,0,0,6]],
       "refinement": {"refined": true, "left_neighbourhood": false, "shift_m": 0.004, "turn_rad": 0.02,

@@ -147,7 +147,7 @@ TEST_F(Service, ARegionIsAllThatIsLookedAt) {
   }
   region.region = {};
   EXPECT_THAT(done(region).message, HasSubstr("whole image"));
-  region.region = {0, 0, 31, 100};
+  region.region = {0, 0, 0, 100};
   EXPECT_THAT(refused(region).message, HasSubstr("too small"));
   region.region = {4000, 4000, 100, 100};
   EXPECT_THAT(refused(region).message, HasSubstr("inside the image of 96 x 72"));

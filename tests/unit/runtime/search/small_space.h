@@ -9,6 +9,7 @@ namespace sextant {
 
 struct SmallSpace {
   RandomProblem problem;
+  TableConstraint standing;
   Constraint constraint;
   std::vector<ScoredBin> bins;
   std::vector<Region> space;
@@ -16,7 +17,8 @@ struct SmallSpace {
   explicit SmallSpace(std::uint64_t seed, int width = 24, int height = 18, double nearest = 0.9,
                       double farthest = 0.93)
       : problem(seed, width, height),
-        constraint(problem.camera(), nearest, farthest, table()),
+        standing(table()),
+        constraint(problem.camera(), nearest, farthest, standing),
         bins(problem.bins()) {
     for (std::size_t i = 0; i < bins.size(); ++i) {
       // The few degrees around upright as this table shows it.

@@ -8,36 +8,15 @@
 #include <limits>
 
 #include "../small_space.h"
+#include "prepared_target.h"
 #include "runtime/search/evaluate.h"
 #include "runtime/search/reference/brute_force.h"
 
 namespace sextant {
 namespace {
 
-/// A target with its prepared bins.
-struct Prepared {
-  std::vector<LaneBin> lane_bins;
-  LaneTarget target;
-
-  Prepared(const std::vector<ScoredBin>& bins, const Constraint& constraint, int wanted, double threshold)
-      : lane_bins(prepare(bins, threshold)), target{bins, lane_bins, constraint, 0.1, wanted, threshold} {}
-  static std::vector<LaneBin> prepare(const std::vector<ScoredBin>& bins, double threshold) {
-    std::vector<LaneBin> out;
-    for (const ScoredBin& bin : bins) out.push_back(lane_bin(bin, threshold));
-    return out;
-  }
-};
-
 /// A threshold between a perfect score and the plateau of poses at which nothing fits.
 double middling(const std::vector<ScoredBin>& bins) { return 0.65 * bins[0].worst + 0.35 * bins[0].offset; }
-
-SearchOutcome run(const FrameTables& exact, const Prepared& prepared, WorkerPool& pool,
-                  std::function<bool()> expired = {}, std::size_t most_waiting = 200000) {
-  LaneTables lanes;
-  lanes.build(exact, pool);
-  LaneSearch engine;
-  return engine.run({exact, lanes, {prepared.target}, std::move(expired), most_waiting}, pool)[0];
-}
 
 void expect_same(const SearchOutcome& a, const SearchOutcome& b, std::uint64_t seed) {
   ASSERT_EQ(a.found.size(), b.found.size()) << "seed " << seed;
@@ -58,8 +37,8 @@ TEST(LaneSearch, FindsWhatBruteForceFinds) {
       // Above some scores and below others.
       options.threshold = seed % 2 ? -1e6 : -200;
       const SearchOutcome truth = brute_force(s.search(), s.space, options);
-      const Prepared prepared(s.bins, s.constraint, wanted, options.threshold);
-      const SearchOutcome found = run(s.problem.tables(), prepared, serial);
+      const PreparedTarget prepared(s.bins, s.constraint, wanted, options.threshold);
+      const SearchOutcome found = run_lanes(s.problem.tables(), prepared, serial);
       EXPECT_TRUE(found.complete);
       expect_same(found, truth, seed);
       EXPECT_GE(found.upper_bound, truth.upper_bound);
@@ -85,8 +64,8 @@ TEST(LaneSearch, AgreesWithThePlainTwinOnWholeFrames) {
     options.max_detections = seed % 2 ? 1 : 3;
     options.threshold = middling(p.bins());
     const SearchOutcome plain = branch_and_bound({p.bins(), p.tables(), constraint, 0.1}, options, serial);
-    const Prepared prepared(p.bins(), constraint, options.max_detections, options.threshold);
-    expect_same(run(p.tables(), prepared, serial), plain, seed);
+    const PreparedTarget prepared(p.bins(), constraint, options.max_detections, options.threshold);
+    expect_same(run_lanes(p.tables(), prepared, serial), plain, seed);
     found += plain.found.size();
   }
   EXPECT_GE(found, 3U);
@@ -101,9 +80,12 @@ TEST(LaneSearch, ProvesAbsenceAboveTheThreshold) {
     const SearchOutcome truth = brute_force(s.search(), s.space, options);
     if (truth.found.empty()) continue;
     const double best = truth.found[0].score;
-    EXPECT_EQ(run(s.problem.tables(), Prepared(s.bins, s.constraint, 1, best), serial).found.size(), 1U);
+    EXPECT_EQ(
+        run_lanes(s.problem.tables(), PreparedTarget(s.bins, s.constraint, 1, best), serial).found.size(),
+        1U);
     const double above = std::nextafter(best, 1e9);
-    const SearchOutcome none = run(s.problem.tables(), Prepared(s.bins, s.constraint, 1, above), serial);
+    const SearchOutcome none =
+        run_lanes(s.problem.tables(), PreparedTarget(s.bins, s.constraint, 1, above), serial);
     EXPECT_TRUE(none.complete);
     EXPECT_TRUE(none.found.empty());
     EXPECT_EQ(none.upper_bound, above);
@@ -114,13 +96,13 @@ TEST(LaneSearch, AnyNumberOfThreadsGivesTheSameBits) {
   for (const std::uint64_t seed : {0U, 3U}) {
     RandomProblem p(seed, 72, 56);
     const Constraint constraint(p.camera(), 0.6, 1.2, p.table());
-    const Prepared prepared(p.bins(), constraint, 2, middling(p.bins()));
+    const PreparedTarget prepared(p.bins(), constraint, 2, middling(p.bins()));
     WorkerPool serial(1);
-    const SearchOutcome truth = run(p.tables(), prepared, serial);
-    for (const int threads : {2, 3, 8}) {
+    const SearchOutcome truth = run_lanes(p.tables(), prepared, serial);
+    for (const int threads : {1, 2, 3, 8}) {
       WorkerPool pool(threads);
-      for (int repeat = 0; repeat < 4; ++repeat) {
-        const SearchOutcome found = run(p.tables(), prepared, pool);
+      for (int repeat = 0; repeat < 20; ++repeat) {
+        const SearchOutcome found = run_lanes(p.tables(), prepared, pool);
         expect_same(found, truth, seed);
         EXPECT_EQ(found.upper_bound, truth.upper_bound);
         EXPECT_EQ(found.complete, truth.complete);
@@ -138,10 +120,11 @@ TEST(LaneSearch, AnInterruptedSearchStillTellsTheTruth) {
     options.threshold = -1e6;
     const SearchOutcome truth = brute_force(s.search(), s.space, options);
     if (truth.found.empty()) continue;
-    const Prepared prepared(s.bins, s.constraint, 1, options.threshold);
+    const PreparedTarget prepared(s.bins, s.constraint, 1, options.threshold);
     for (const int looks : {0, 1, 5, 20}) {
       int left = looks;
-      const SearchOutcome found = run(s.problem.tables(), prepared, serial, [&left] { return left-- <= 0; });
+      const SearchOutcome found =
+          run_lanes(s.problem.tables(), prepared, serial, [&left] { return left-- <= 0; });
       interrupted += found.complete ? 0 : 1;
       const double best = found.found.empty() ? -1e9 : found.found[0].score;
       EXPECT_GE(std::max(best, found.upper_bound), truth.found[0].score);
@@ -160,9 +143,9 @@ TEST(LaneSearch, AFullFrontierOnlyChangesTheOrder) {
   for (const std::uint64_t seed : {0U, 3U, 4U}) {
     RandomProblem p(seed, 72, 56);
     const Constraint constraint(p.camera(), 0.6, 1.2, p.table());
-    const Prepared prepared(p.bins(), constraint, 2, middling(p.bins()));
-    const SearchOutcome free = run(p.tables(), prepared, serial);
-    const SearchOutcome capped = run(p.tables(), prepared, serial, {}, 4);
+    const PreparedTarget prepared(p.bins(), constraint, 2, middling(p.bins()));
+    const SearchOutcome free = run_lanes(p.tables(), prepared, serial);
+    const SearchOutcome capped = run_lanes(p.tables(), prepared, serial, {}, 4);
     expect_same(capped, free, seed);
     EXPECT_TRUE(capped.complete);
   }
@@ -175,14 +158,140 @@ TEST(LaneSearch, SeveralObjectsTogetherAreFoundAsAlone) {
     RandomProblem other(seed + 100, 72, 56);
     const Constraint constraint(p.camera(), 0.6, 1.2, p.table());
     const Constraint its(p.camera(), 0.7, 1.1, p.table());
-    const Prepared a(p.bins(), constraint, 2, middling(p.bins()));
-    const Prepared b(other.bins(), its, 1, middling(other.bins()));
+    const PreparedTarget a(p.bins(), constraint, 2, middling(p.bins()));
+    const PreparedTarget b(other.bins(), its, 1, middling(other.bins()));
     LaneTables lanes;
     lanes.build(p.tables(), pool);
     LaneSearch engine;
     const auto both = engine.run({p.tables(), lanes, {a.target, b.target}, {}}, pool);
     expect_same(both[0], engine.run({p.tables(), lanes, {a.target}, {}}, pool)[0], seed);
     expect_same(both[1], engine.run({p.tables(), lanes, {b.target}, {}}, pool)[0], seed);
+  }
+}
+
+TEST(LaneSearch, SeedsNeverChangeTheAnswer) {
+  WorkerPool serial(1);
+  std::uint64_t nodes = 0, nodes_with_seeds = 0;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    RandomProblem p(seed, 72, 56);
+    const Constraint constraint(p.camera(), 0.7, 1.0, p.table());
+    PreparedTarget prepared(p.bins(), constraint, seed % 3 ? 1 : 3, middling(p.bins()));
+    if (seed % 2) prepared.target.runner_up = RunnerUpOptions{};
+    const SearchOutcome plain = run_lanes(p.tables(), prepared, serial);
+    nodes += plain.nodes;
+    // Any poses: feasible or not, of bins that do not exist, the answer itself, one after another.
+    for (int round = 0; round < 3; ++round) {
+      for (int i = 0; i < 5; ++i) prepared.target.seeds.push_back(p.pose_in(p.region(20)));
+      prepared.target.seeds.push_back({99, {1, 1, 400, 0, 0, 0}});
+      prepared.target.seeds.push_back({-1, {1, 1, 400, 0, 0, 0}});
+      prepared.target.seeds.push_back({0, {-5, 1, 400, 0, 0, 0}});
+      if (round > 0) {
+        for (const ScoredPose& f : plain.found) prepared.target.seeds.push_back(f.pose);
+      }
+      const SearchOutcome seeded = run_lanes(p.tables(), prepared, serial);
+      expect_same(seeded, plain, seed);
+      EXPECT_EQ(seeded.upper_bound, plain.upper_bound);
+      ASSERT_EQ(seeded.runner_ups.size(), plain.runner_ups.size());
+      for (std::size_t i = 0; i < plain.runner_ups.size(); ++i) {
+        EXPECT_EQ(seeded.runner_ups[i].score, plain.runner_ups[i].score);
+      }
+      if (round == 2) nodes_with_seeds += seeded.nodes;
+    }
+  }
+  EXPECT_LE(nodes_with_seeds, nodes);
+}
+
+TEST(LaneSearch, StopsAtTheDeadlineOfAnyClock) {
+  WorkerPool serial(1);
+  RandomProblem p(3, 72, 56);
+  const Constraint constraint(p.camera(), 0.6, 1.2, p.table());
+  const PreparedTarget prepared(p.bins(), constraint, 1, middling(p.bins()));
+  const SearchOutcome whole = run_lanes(p.tables(), prepared, serial);
+  ASSERT_GT(whole.nodes, 1000U);
+  int stopped = 0;
+  for (double deadline_ms = 0; deadline_ms < 40; deadline_ms += 2.5) {
+    // A clock that advances by a quarter of a millisecond with every look.
+    double now_ms = 0;
+    int looks_too_late = 0;
+    const SearchOutcome found = run_lanes(p.tables(), prepared, serial, [&] {
+      now_ms += 0.25;
+      looks_too_late += now_ms > deadline_ms ? 1 : 0;
+      return now_ms > deadline_ms;
+    });
+    // It stops at the first look that says so: what it does between two looks is all that it is late.
+    EXPECT_LE(looks_too_late, 1);
+    stopped += found.complete ? 0 : 1;
+    if (!found.complete) {
+      EXPECT_LE(found.nodes, 64 + static_cast<std::uint64_t>(deadline_ms / 0.25 + 2) * 64 + 4096);
+      const double best = found.found.empty() ? -1e9 : found.found[0].score;
+      EXPECT_GE(std::max(best, found.upper_bound), whole.found.empty() ? -1e9 : whole.found[0].score);
+    }
+  }
+  EXPECT_GT(stopped, 3);
+}
+
+// What offline/mpi does, in one process: shares, moved nodes, lost shares.
+TEST(LaneSearch, InPiecesItIsTheSameSearch) {
+  WorkerPool serial(1);
+  for (const std::uint64_t seed : {0U, 3U, 4U, 5U}) {
+    RandomProblem p(seed, 72, 56);
+    const Constraint constraint(p.camera(), 0.6, 1.2, p.table());
+    PreparedTarget prepared(p.bins(), constraint, 2, middling(p.bins()));
+    prepared.target.runner_up = RunnerUpOptions{};
+    const SearchOutcome whole = run_lanes(p.tables(), prepared, serial);
+    LaneTables lanes;
+    lanes.build(p.tables(), serial);
+    const LaneSearchProblem problem{p.tables(), lanes, {prepared.target}, {}};
+    for (const std::size_t count : {1U, 2U, 5U}) {
+      std::vector<LaneSearch> ranks(count);
+      for (std::size_t r = 0; r < count; ++r) ranks[r].begin(problem, {r, count});
+      bool more = true;
+      bool lost = false;
+      while (more) {
+        bool any = true;
+        while (any) {
+          any = false;
+          for (std::size_t r = 0; r < ranks.size(); ++r) {
+            any = any || ranks[r].waiting() > 0;
+            ranks[r].step(7);
+            const ScoredPose best = ranks[r].bests()[0];
+            for (LaneSearch& other : ranks) {
+              if (best.score > -1e300) other.offer(0, best);
+            }
+            if (ranks[r].waiting() > 20) ranks[(r + 1) % ranks.size()].take(ranks[r].give(9));
+          }
+          // One rank is lost with everything it has; its share, and all that was ever moved to it, is here
+          // the whole space.
+          if (!lost && ranks.size() == 5) {
+            lost = true;
+            ranks.pop_back();
+            ranks[0].add_roots({0, 1});
+            any = true;
+          }
+        }
+        ScoredPose best = ranks[0].bests()[0];
+        for (const LaneSearch& rank : ranks) {
+          const ScoredPose its = rank.bests()[0];
+          if (its.score > best.score || (its.score == best.score && its.pose < best.pose)) best = its;
+        }
+        bool first = true;
+        for (LaneSearch& rank : ranks) {
+          const bool its = rank.advance({best});
+          EXPECT_TRUE(first || its == more);
+          more = its;
+          first = false;
+        }
+      }
+      const SearchOutcome found = ranks[0].finish(true, {})[0];
+      expect_same(found, whole, seed);
+      EXPECT_TRUE(found.complete);
+      EXPECT_EQ(found.upper_bound, whole.upper_bound);
+      ASSERT_EQ(found.runner_ups.size(), whole.runner_ups.size());
+      for (std::size_t i = 0; i < whole.runner_ups.size(); ++i) {
+        EXPECT_EQ(found.runner_ups[i].score, whole.runner_ups[i].score) << "seed " << seed << " of " << count;
+        EXPECT_EQ(found.runner_ups[i].exact, whole.runner_ups[i].exact);
+      }
+    }
   }
 }
 

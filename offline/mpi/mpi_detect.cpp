@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "offline/mpi/mpi_detect.h"
+
+#include <mpi.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+
+#include "offline/cli/detect_command.h"
+#include "offline/mpi/mpi_job.h"
+#include "offline/mpi/search_coordinator.h"
+#include "offline/mpi/search_worker.h"
+#include "runtime/base/error.h"
+#include "runtime/model/model_file.h"
+
+namespace sextant {
+namespace {
+
+struct MpiDetectArguments {
+  DetectArguments detect;
+  CoordinatorOptions coordinator;
+  std::string fault;
+};
+
+/// "RANK:NODES:SIGNAL".
+InjectedFault fault_from(const std::string& text) {
+  InjectedFault fault;
+  unsigned long long nodes = 0;
+  if (text.empty()) return fault;
+  if (std::sscanf(text.c_str(), "%d:%llu:%d", &fault.rank, &nodes, &fault.signal) != 3) {
+    throw UsageError("--inject-fault " + text + " is not RANK:NODES:SIGNAL");
+  }
+  fault.nodes = nodes;
+  return fault;
+}
+
+Bytes bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
+  const auto* first = reinterpret_cast<const std::byte*>(text.data());
+  return {first, first + text.size()};
+}
+
+ExitCode run(const MpiDetectArguments& a) {
+  // Everything that may refuse the input comes before MPI starts, so that a bad option is one clear line.
+  DetectOptions options = a.detect.options();
+  const InjectedFault fault = fault_from(a.fault);
+  if (options.bound != "lanes") throw UsageError("over ranks there is only --bound lanes");
+  if (!a.detect.proof.empty()) throw UsageError("--proof is for sextant detect");
+  for (const auto& file : a.detect.models) read_model(file);
+  // Ended below and not by an exception: then main() aborts the job, where ending would wait for all ranks.
+  auto* job = new MpiJob;
+  // A rank that dies is the coordinator's business, not the end (with mpirun --enable-recovery).
+  MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
+  if (job->rank != 0) {
+    options.refine = false;
+    options.threads = 1;
+    const bool together = work_for_coordinator(job->rank, a.detect.models.size(), options, fault);
+    std::fflush(nullptr);
+    if (!together) _exit(0);
+    delete job;
+    return ExitCode::kDone;
+  }
+  SearchCoordinator coordinator(job->ranks, a.coordinator);
+  std::vector<Bytes> models;
+  for (const auto& file : a.detect.models) models.push_back(bytes_of(file));
+  coordinator.send_models(models);
+  const ExitCode code = run_detect(a.detect, [&](const RgbdFrame& frame, DetectCall& call) {
+    coordinator.send_frame(frame);
+    call.search = [&](const LaneSearchProblem& problem) { return coordinator.run(problem); };
+  });
+  coordinator.end();
+  std::fflush(nullptr);
+  if (coordinator.lost() == 0) {
+    delete job;
+    return code;
+  }
+  if (coordinator.lost_elsewhere()) MPI_Abort(MPI_COMM_WORLD, static_cast<int>(code));
+  _exit(static_cast<int>(code));
+}
+
+}  // namespace
+
+CLI::App* add_mpi_detect_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<MpiDetectArguments>();
+  arguments->detect.detect.threads = 1;
+  CLI::App* command =
+      app.add_subcommand("detect", "poses for a BOP data set or a frame, searched by all ranks");
+  command->footer(
+      "Start with --enable-recovery, so that a rank that dies does not end the job.\n"
+      "Example:\n  mpirun --enable-recovery -n 4 sextant-mpi detect mug.sxm --dataset data/sample");
+  arguments->detect.add_to(*command);
+  command
+      ->add_option("--lost-after-s", arguments->coordinator.lost_after_s,
+                   "a rank that is silent for so long is given up and its boxes are searched by others")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  command->add_flag("--verbose", arguments->coordinator.verbose, "say on stderr what is moved between ranks");
+  command->add_option("--inject-fault", arguments->fault,
+                      "RANK:NODES:SIGNAL: for tests, a rank sends itself a signal after so many nodes");
+  command->callback([arguments, &exit_code] { exit_code = static_cast<int>(run(*arguments)); });
+  return command;
+}
+
+}  // namespace sextant
