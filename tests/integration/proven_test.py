@@ -21,6 +21,7 @@ max_pitch_deg: 42
 max_roll_deg: 0
 angle_tolerance_deg: 3
 images_per_bin: 20
+scenes_per_bin: 12
 grid: 40
 """
 failures = []
@@ -69,7 +70,7 @@ def refused(done, words):
 
 def proofs(folder, model):
     proof = folder / "box.proof"
-    options = ["--dataset", SAMPLE, "--image", 1, "--angle-tolerance-deg", 4]
+    options = ["--dataset", SAMPLE, "--image", 3, "--angle-tolerance-deg", 4]
     run(SEXTANT, "detect", model, *options, "--proof", proof)
     done = run(SEXTANT, "verify", proof, "--json")
     verdict = json.loads(done.stdout)
@@ -124,13 +125,13 @@ def proofs(folder, model):
     copy = folder / "sample"
     shutil.copytree(SAMPLE, copy)
     check("holds" in run(SEXTANT, "verify", proof, "--dataset", copy).stdout, "a copy of the data set is as good")
-    shutil.copy(next(copy.glob("test/*/depth/000002.png")), next(copy.glob("test/*/depth/000001.png")))
+    shutil.copy(next(copy.glob("test/*/depth/000002.png")), next(copy.glob("test/*/depth/000003.png")))
     refused(run(SEXTANT, "verify", proof, "--dataset", copy, expect=3), "is not the frame")
     check(whole["source"]["dataset"] == str(SAMPLE), "the proof says where the frames were")
 
 
 def regions(model):
-    options = [model, "--dataset", SAMPLE, "--image", 1, "--angle-tolerance-deg", 4, "--no-refine", "--json"]
+    options = [model, "--dataset", SAMPLE, "--image", 3, "--angle-tolerance-deg", 4, "--no-refine", "--json"]
     whole = answers(run(SEXTANT, "detect", *options))[0]
     box = whole["detections"][0]["bbox"]
     around = " ".join(str(int(v)) for v in box)
