@@ -19,7 +19,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// out[i] = in[i - 3] + 2 in[i] + in[i + 3] for i < count. Rows may be read and written a vector further.
-void HorizontalSums(const std::uint8_t* in, std::size_t count, std::int16_t* out) {
+void horizontal_sums(const std::uint8_t* in, std::size_t count, std::int16_t* out) {
   const hn::ScalableTag<std::int16_t> d;
   const hn::Rebind<std::uint8_t, decltype(d)> bytes;
   const auto load = [&](const std::uint8_t* at) HWY_ATTR { return hn::PromoteTo(d, hn::LoadU(bytes, at)); };
@@ -30,8 +30,8 @@ void HorizontalSums(const std::uint8_t* in, std::size_t count, std::int16_t* out
 }
 
 /// out = (above + 2 here + below + 8) / 16.
-void SmoothRow(const std::int16_t* above, const std::int16_t* here, const std::int16_t* below,
-               std::size_t count, std::int16_t* out) {
+void smoothed_row(const std::int16_t* above, const std::int16_t* here, const std::int16_t* below,
+                  std::size_t count, std::int16_t* out) {
   const hn::ScalableTag<std::int16_t> d;
   const auto half = hn::Set(d, std::int16_t{8});
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
@@ -43,8 +43,8 @@ void SmoothRow(const std::int16_t* above, const std::int16_t* here, const std::i
 }
 
 /// Sobel of three smoothed rows, channel by channel.
-void SobelRow(const std::int16_t* above, const std::int16_t* here, const std::int16_t* below,
-              std::size_t count, std::int16_t* gx, std::int16_t* gy) {
+void sobel_row(const std::int16_t* above, const std::int16_t* here, const std::int16_t* below,
+               std::size_t count, std::int16_t* gx, std::int16_t* gy) {
   const hn::ScalableTag<std::int16_t> d;
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto column = [&](std::ptrdiff_t shift) HWY_ATTR {
@@ -63,8 +63,8 @@ void SobelRow(const std::int16_t* above, const std::int16_t* here, const std::in
 
 /// Of each pixel's three channels the longest gradient; the first of equals.
 #if HWY_TARGET == HWY_SCALAR
-void LongestRow(const std::int16_t* gx, const std::int16_t* gy, std::size_t pixels, std::int16_t* dx,
-                std::int16_t* dy) {
+void longest_row(const std::int16_t* gx, const std::int16_t* gy, std::size_t pixels, std::int16_t* dx,
+                 std::int16_t* dy) {
   for (std::size_t x = 0; x < pixels; ++x) {
     const auto norm = [&](std::size_t c) {
       return gx[3 * x + c] * gx[3 * x + c] + gy[3 * x + c] * gy[3 * x + c];
@@ -76,8 +76,8 @@ void LongestRow(const std::int16_t* gx, const std::int16_t* gy, std::size_t pixe
   }
 }
 #else
-void LongestRow(const std::int16_t* gx, const std::int16_t* gy, std::size_t pixels, std::int16_t* dx,
-                std::int16_t* dy) {
+void longest_row(const std::int16_t* gx, const std::int16_t* gy, std::size_t pixels, std::int16_t* dx,
+                 std::int16_t* dy) {
   const hn::ScalableTag<std::int16_t> d;
   const hn::RepartitionToWide<decltype(d)> wide;
   for (std::size_t x = 0; x < pixels; x += hn::Lanes(d)) {
@@ -124,10 +124,10 @@ namespace {
 
 constexpr std::size_t kMargin = 256;  ///< values that vectors may read or write beside a row
 
-HWY_EXPORT(HorizontalSums);
-HWY_EXPORT(SmoothRow);
-HWY_EXPORT(SobelRow);
-HWY_EXPORT(LongestRow);
+HWY_EXPORT(horizontal_sums);
+HWY_EXPORT(smoothed_row);
+HWY_EXPORT(sobel_row);
+HWY_EXPORT(longest_row);
 
 /// A row of 3 * pixels values with room for vectors on both sides.
 template <typename T>
@@ -181,10 +181,10 @@ void strongest_gradient(const cv::Mat& colour, Gradient& out) {
     const std::uint8_t* row = colour.ptr<std::uint8_t>(y);
     std::copy(row, row + count, bytes.values());
     bytes.replicate_ends(count);
-    HWY_DYNAMIC_DISPATCH(HorizontalSums)(bytes.values(), count, of(sums, y));
+    HWY_DYNAMIC_DISPATCH(horizontal_sums)(bytes.values(), count, of(sums, y));
   };
   const auto smooth_row = [&](int y) {  // needs the sums of the rows above, here and below
-    HWY_DYNAMIC_DISPATCH(SmoothRow)
+    HWY_DYNAMIC_DISPATCH(smoothed_row)
     (of(sums, clamped(y - 1)), of(sums, y), of(sums, clamped(y + 1)), count, of(smooth, y));
     smooth[static_cast<std::size_t>(y) % 3].replicate_ends(count);
   };
@@ -197,9 +197,9 @@ void strongest_gradient(const cv::Mat& colour, Gradient& out) {
       if (y + 2 < rows) sum_row(y + 2);
       smooth_row(y + 1);
     }
-    HWY_DYNAMIC_DISPATCH(SobelRow)
+    HWY_DYNAMIC_DISPATCH(sobel_row)
     (of(smooth, clamped(y - 1)), of(smooth, y), of(smooth, clamped(y + 1)), count, gx.values(), gy.values());
-    HWY_DYNAMIC_DISPATCH(LongestRow)(gx.values(), gy.values(), pixels, dx.values(), dy.values());
+    HWY_DYNAMIC_DISPATCH(longest_row)(gx.values(), gy.values(), pixels, dx.values(), dy.values());
     std::copy(dx.values(), dx.values() + pixels, out.dx.ptr<std::int16_t>(y));
     std::copy(dy.values(), dy.values() + pixels, out.dy.ptr<std::int16_t>(y));
   }

@@ -16,7 +16,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /// Squared lengths.
-void NormRow(const std::int16_t* dx, const std::int16_t* dy, std::size_t width, std::int32_t* out) {
+void norm_row(const std::int16_t* dx, const std::int16_t* dy, std::size_t width, std::int32_t* out) {
   const hn::ScalableTag<std::int32_t> d;
   const hn::Rebind<std::int16_t, decltype(d)> half;
   std::size_t x = 0;
@@ -30,9 +30,9 @@ void NormRow(const std::int16_t* dx, const std::int16_t* dy, std::size_t width, 
 
 /// marks: 2 where a norm above high2 is the largest across its edge, 1 where it is above low2, else 0. The
 /// norms may be read one before and one after their row.
-void MarkRow(const std::int32_t* above, const std::int32_t* here, const std::int32_t* below,
-             const std::int16_t* dx, const std::int16_t* dy, std::size_t width, std::int32_t low2,
-             std::int32_t high2, std::uint8_t* marks) {
+void mark_row(const std::int32_t* above, const std::int32_t* here, const std::int32_t* below,
+              const std::int16_t* dx, const std::int16_t* dy, std::size_t width, std::int32_t low2,
+              std::int32_t high2, std::uint8_t* marks) {
   constexpr std::int32_t kTan22 = 13573;  // tan(22.5 deg) * 2^15; tan(67.5 deg) = that + 2
   // Vectors read past the row's end, where the caller left no gradient: the rest goes through a copy.
   const hn::ScalableTag<std::int32_t> d;
@@ -89,8 +89,8 @@ namespace {
 
 constexpr std::size_t kMargin = 128;  ///< norms that vectors may read beside a row
 
-HWY_EXPORT(NormRow);
-HWY_EXPORT(MarkRow);
+HWY_EXPORT(norm_row);
+HWY_EXPORT(mark_row);
 
 }  // namespace
 
@@ -109,7 +109,7 @@ void Thinning::edges(const Gradient& gradient, int low, int high, cv::Mat& edges
   };
   const auto fill = [&](int y) {
     if (y < rows) {
-      HWY_DYNAMIC_DISPATCH(NormRow)
+      HWY_DYNAMIC_DISPATCH(norm_row)
       (gradient.dx.ptr<std::int16_t>(y), gradient.dy.ptr<std::int16_t>(y), width, norms(y));
     } else {
       std::fill(norms(y), norms(y) + width, 0);
@@ -119,7 +119,7 @@ void Thinning::edges(const Gradient& gradient, int low, int high, cv::Mat& edges
   for (int y = 0; y < rows; ++y) {
     fill(y + 1);
     std::uint8_t* marks = marks_.data() + static_cast<std::size_t>(y + 1) * stride + 1;
-    HWY_DYNAMIC_DISPATCH(MarkRow)
+    HWY_DYNAMIC_DISPATCH(mark_row)
     (norms(y - 1), norms(y), norms(y + 1), gradient.dx.ptr<std::int16_t>(y), gradient.dy.ptr<std::int16_t>(y),
      width, low * low, high * high, marks);
     for (std::uint8_t* m = marks; m < marks + width; ++m) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "runtime/refine/contour_edges.h"
+#include "runtime/refine/depth_outline.h"
 #include "runtime/refine/depth_raster.h"
 #include "runtime/refine/depth_term.h"
 #include "runtime/refine/edge_term.h"
@@ -23,14 +24,16 @@ namespace {
 /// One round: how far off an observation may be and still count.
 struct Gates {
   double depth_m;
-  double edge_px;  ///< at f = 525; 0: edges are not looked at
+  double edge_px;     ///< at f = 525; 0: edges are not looked at
+  double outline_px;  ///< the same for the outline in the depth image
 };
 // Depth first: it leads to the right place from farther away, while the nearest edge may be a wrong one.
 constexpr std::array<Gates, 6> kDepthFirst{
-    {{0.035, 0}, {0.022, 7}, {0.016, 6}, {0.012, 5}, {0.010, 4}, {0.010, 3}}};
+    {{0.035, 0, 22}, {0.022, 7, 16}, {0.016, 6, 12}, {0.012, 5, 8}, {0.010, 4, 6}, {0.010, 3, 5}}};
 // Edges first, for objects whose depth is missing or says little.
-constexpr std::array<Gates, 5> kTogether{{{0.035, 6}, {0.022, 6}, {0.014, 5}, {0.010, 4}, {0.010, 3}}};
-constexpr Gates kLast{0.010, 3};
+constexpr std::array<Gates, 5> kTogether{
+    {{0.035, 6, 12}, {0.022, 6, 10}, {0.014, 5, 8}, {0.010, 4, 6}, {0.010, 3, 5}}};
+constexpr Gates kLast{0.010, 3, 5};
 // An optimum that explains this much of depth and edges needs no second attempt.
 constexpr double kGoodAgreement = 1.0;
 
@@ -125,8 +128,9 @@ struct Refiner::Impl {
     NormalEquations normal;
     add_depth_term(frame, raster, contours.face_normals(), now.pose, now.shared, gates.depth_m, normal,
                    quality);
+    contours.sample(now.pose, frame.camera, raster, kEdgeSpacingPx * edge_scale(frame.camera), samples);
+    add_depth_outline_term(frame, raster, samples, now.pose, now.shared, gates.outline_px, normal);
     if (gates.edge_px > 0) {
-      contours.sample(now.pose, frame.camera, raster, kEdgeSpacingPx * edge_scale(frame.camera), samples);
       add_edge_term(frame, task.input.edges, samples, now.pose, gates.edge_px, normal, quality);
     }
     if (task.table) add_table_term(*task.table, model.centre_height_m, now.pose, normal);
