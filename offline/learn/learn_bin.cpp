@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "offline/learn/informative_parts.h"
 #include "offline/learn/learn_depth.h"
 #include "offline/learn/least_squares.h"
 #include "offline/learn/nearest_feature.h"
@@ -75,9 +76,7 @@ Enumeration enumerate_visual(const std::vector<TrainingView>& views, const Posit
 }
 
 Eigen::Vector4d centre_of(const RotationBox& box) {
-  const auto middle = [&](std::size_t a) {
-    return 0.5 * (box.lo_deg[a] + box.hi_deg[a] - 1) * kLatticeAngle;
-  };
+  const auto middle = [&](std::size_t a) { return 0.5 * (box.lo_deg[a] + box.hi_deg[a] - 1) * kOneDegree; };
   return {1, middle(0), middle(1), middle(2)};
 }
 
@@ -128,8 +127,8 @@ std::vector<VisualPart> learn_visual(const std::vector<TrainingView>& views,
   for (std::size_t i = 0; i < parts.size(); ++i) {
     candidates.push_back({parts[i].variance, position_of(parts[i], centre) / spacing_unit, parts[i].kind, i});
   }
-  const ChosenParts picked =
-      select_parts(std::move(candidates), static_cast<std::size_t>(p.visual_parts), limit);
+  const ChosenParts picked = select_parts(
+      std::move(candidates), static_cast<std::size_t>(std::max(p.visual_candidates, p.visual_parts)), limit);
   // Each part stands for the edge up to its neighbours.
   const double weight = std::clamp((picked.spacing + 1) / kUsualSpacing, 0.05, 20.0);
   std::vector<VisualPart> chosen;
@@ -140,6 +139,7 @@ std::vector<VisualPart> learn_visual(const std::vector<TrainingView>& views,
     chosen.back().seen.weight = static_cast<float>(weight);
   }
   measure_parts(scenes, p.camera, chosen);
+  keep_most_informative(chosen, static_cast<std::size_t>(p.visual_parts));
   return chosen;
 }
 

@@ -15,6 +15,8 @@ constexpr double kLeastShare = 0.5;
 constexpr double kUnhidden = 0.85;
 constexpr float kObjectByChance = 0.2F;
 constexpr float kTableByChance = 0.5F;
+/// Parts of a bin at which each weighs 1: depth says as much in total however finely it is sampled.
+constexpr double kUsualParts = 150;
 
 /// Least squares at one position over the views that show one thing there.
 struct PartialFit {
@@ -120,6 +122,9 @@ std::vector<DepthPart> learn_depth(const std::vector<TrainingView>& views,
            .parts) {
     chosen.push_back(parts[c.index]);
   }
+  const double weight =
+      std::clamp(kUsualParts / static_cast<double>(std::max<std::size_t>(1, chosen.size())), 0.25, 4.0);
+  for (DepthPart& part : chosen) part.seen.weight = static_cast<float>(weight);
   measure_parts(scenes, parameters.camera, chosen);
   return chosen;
 }

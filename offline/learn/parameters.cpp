@@ -47,6 +47,7 @@ const std::vector<Field>& fields() {
   static const std::vector<Field> kFields{
       field("images_per_bin", &P::images_per_bin, 10, 10000),
       field("visual_parts", &P::visual_parts, 0, 1000),
+      field("visual_candidates", &P::visual_candidates, 0, 1000),
       field("depth_parts", &P::depth_parts, 0, 1000),
       field("learn_table", &P::learn_table, 0, 1),
       field("turn_width_deg", &P::turn_width_deg, 5, 45),

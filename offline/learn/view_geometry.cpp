@@ -27,7 +27,7 @@ Pose6 random_pose(const LearnParameters& parameters, const RotationBox& box, dou
                           std::max(parameters.max_distance_m, 3.0 * radius_m));
   // The lattice poses of the bin are lo..hi-1.
   const auto angle = [&](std::size_t a) {
-    return random.uniform(box.lo_deg[a] - 0.5, box.hi_deg[a] - 0.5) * kLatticeAngle;
+    return random.uniform(box.lo_deg[a] - 0.5, box.hi_deg[a] - 0.5) * kOneDegree;
   };
   pose.rx = angle(0);
   pose.ry = angle(1);

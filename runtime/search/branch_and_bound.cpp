@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <queue>
 
 #include "runtime/search/bound.h"
@@ -95,9 +96,10 @@ class Search {
     return node;
   }
 
+  /// By what is proven: a better pose in the place of an unproven one still counts.
   bool suppressed(const Region& region) const {
     return std::any_of(
-               boxes_.begin(), boxes_.end(),
+               boxes_.begin(), boxes_.begin() + static_cast<std::ptrdiff_t>(proven_.value_or(boxes_.size())),
                [&](const Box2& box) { return suppressed_everywhere(bin_of(region), focal_, region, box); }) ||
            options_.excluded.contains_all(bin_of(region), focal_, region);
   }
@@ -146,6 +148,7 @@ class Search {
 
   /// Out of time: turns the best regions into poses and reports those that the order allows.
   void dive_for_answers() {
+    proven_ = boxes_.size();
     for (int i = 0; i < kDives && !frontier_.empty() && !frontier_.top().exact; ++i) {
       const Node node = frontier_.top();
       frontier_.pop();
@@ -177,7 +180,8 @@ class Search {
   WorkerPool& pool_;
   double focal_;
   std::priority_queue<Node, std::vector<Node>, Later> frontier_;
-  std::vector<Box2> boxes_;
+  std::vector<Box2> boxes_;            ///< of the detections
+  std::optional<std::size_t> proven_;  ///< how many of them are proven; none: all
   SearchOutcome outcome_;
 };
 

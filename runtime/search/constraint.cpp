@@ -46,8 +46,8 @@ Region Constraint::whole(int bin_index, const RotationBox& box) const {
   r.lo[kZ] = static_cast<std::int16_t>(nearest_index());
   r.hi[kZ] = static_cast<std::int16_t>(farthest_index());
   for (std::size_t a = 0; a < 3; ++a) {
-    r.lo[kRx + a] = static_cast<std::int16_t>(box.lo_deg[a]);
-    r.hi[kRx + a] = static_cast<std::int16_t>(box.hi_deg[a] - 1);
+    r.lo[kRx + a] = static_cast<std::int16_t>(first_angle(box.lo_deg[a]));
+    r.hi[kRx + a] = static_cast<std::int16_t>(last_angle(box.hi_deg[a]));
   }
   return r;
 }
@@ -195,8 +195,8 @@ double Constraint::coverage(const std::vector<ViewpointBin>& bins) const {
       if (z < min_distance_m_ || z > max_distance_m_) continue;
       for (int a = -kOffsets; a <= kOffsets; ++a) {
         for (int b = -kOffsets; b <= kOffsets; ++b) {
-          const double rx_deg = (up.rx + a * table_->tolerance.angle_rad / kOffsets) / kLatticeAngle;
-          const double ry_deg = (up.ry + b * table_->tolerance.angle_rad / kOffsets) / kLatticeAngle;
+          const double rx_deg = (up.rx + a * table_->tolerance.angle_rad / kOffsets) / kOneDegree;
+          const double ry_deg = (up.ry + b * table_->tolerance.angle_rad / kOffsets) / kOneDegree;
           if (ry_deg < -90) continue;  // over the pole: the same pose has another rx
           ++feasible;
           covered += std::any_of(bins.begin(), bins.end(),

@@ -13,8 +13,16 @@
 
 namespace sextant {
 
-inline constexpr double kLatticeDistance = 0.002;                  ///< metres per step of z
-inline constexpr double kLatticeAngle = std::numbers::pi / 180.0;  ///< radians per step of rx, ry, rz
+inline constexpr double kLatticeDistance = 0.004;  ///< metres per step of z
+inline constexpr int kLatticeDegrees = 2;          ///< degrees per step of rx, ry, rz
+inline constexpr double kOneDegree = std::numbers::pi / 180.0;
+inline constexpr double kLatticeAngle = kLatticeDegrees * kOneDegree;  ///< radians per step of rx, ry, rz
+
+/// Lattice angles in [lo_deg, hi_deg), whole degrees: first_angle(lo_deg) .. last_angle(hi_deg).
+constexpr int first_angle(int lo_deg) {
+  return lo_deg >= 0 ? (lo_deg + kLatticeDegrees - 1) / kLatticeDegrees : -(-lo_deg / kLatticeDegrees);
+}
+constexpr int last_angle(int hi_deg) { return first_angle(hi_deg) - 1; }
 
 /// Dimensions of a pose, in the order of the total order that breaks ties.
 enum Dimension : std::uint8_t { kX = 0, kY, kZ, kRx, kRy, kRz, kDimensions };

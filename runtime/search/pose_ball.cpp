@@ -33,9 +33,9 @@ PoseBall::PoseBall(const PinholeCamera& camera, const LatticePose& centre, const
   centre_ = t.translation();
   const int alike = size.symmetry_deg > 0 ? std::max(1, 360 / size.symmetry_deg) : 1;
   for (int i = 0; i < alike; ++i) {
-    orientations_.push_back(t.linear() *
-                            Eigen::AngleAxisd(i * size.symmetry_deg * kLatticeAngle, Eigen::Vector3d::UnitZ())
-                                .toRotationMatrix());
+    orientations_.push_back(
+        t.linear() *
+        Eigen::AngleAxisd(i * size.symmetry_deg * kOneDegree, Eigen::Vector3d::UnitZ()).toRotationMatrix());
   }
   // Where the ball can project to: its axis-aligned box does, as long as it is in front of the camera.
   const double nearest = centre_.z() - size.radius_m;

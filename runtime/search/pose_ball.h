@@ -15,9 +15,9 @@ namespace sextant {
 
 /// How large a ball is, and which turns about the object's vertical look the same.
 struct BallSize {
-  double radius_m = 0.03;                 ///< of positions, >= 0
-  double angle_rad = 30 * kLatticeAngle;  ///< of orientations, 0..pi
-  int symmetry_deg = 360;                 ///< 0: round; else 360 / symmetry_deg turns look alike
+  double radius_m = 0.03;              ///< of positions, >= 0
+  double angle_rad = 30 * kOneDegree;  ///< of orientations, 0..pi
+  int symmetry_deg = 360;              ///< 0: round; else 360 / symmetry_deg turns look alike
 };
 
 class PoseBall {

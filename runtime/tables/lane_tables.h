@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "runtime/base/huge_pages.h"
 #include "runtime/base/worker_pool.h"
 #include "runtime/tables/frame_tables.h"
 #include "runtime/tables/lane_stage.h"
@@ -59,9 +60,9 @@ class LanePlanes {
   friend class LaneTables;
   const LaneStage* stage_ = nullptr;
   int width_ = 0, height_ = 0, columns_ = 0, rows_ = 0, phase_shift_ = 0, grain_shift_ = 0;
-  std::vector<std::uint8_t> distance_;
-  std::vector<std::uint16_t> nearest_;
-  std::vector<std::uint16_t> farthest_;
+  HugeVector<std::uint8_t> distance_;
+  HugeVector<std::uint16_t> nearest_;
+  HugeVector<std::uint16_t> farthest_;
 };
 
 /// The tables of all stages of one frame.

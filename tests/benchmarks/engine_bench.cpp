@@ -52,7 +52,7 @@ int run(const std::vector<std::string>& arg) {
   const BopDataset set = open_bop_dataset(arg[2], "test");
   const int threads = arg.size() > 3 ? std::stoi(arg[3]) : 1;
   const int repeats = arg.size() > 4 ? std::stoi(arg[4]) : 3;
-  const double tolerance = arg.size() > 5 ? std::stod(arg[5]) * kLatticeAngle : TableTolerance{}.angle_rad;
+  const double tolerance = arg.size() > 5 ? std::stod(arg[5]) * kOneDegree : TableTolerance{}.angle_rad;
   const Scoring scoring = scoring_from_name(arg.size() > 6 ? arg[6] : "likelihood");
   const bool free_space = arg.size() > 7 && arg[7] == "free";
 

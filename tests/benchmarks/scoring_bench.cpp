@@ -102,13 +102,14 @@ struct Candidate {
 
   /// Bin of the pose (its rz brought into the symmetry's range), or -1.
   int place(LatticePose& p) const {
-    const int turn = model.symmetry_deg;
+    const int turn = model.symmetry_deg / kLatticeDegrees;
     p.at[kRz] = static_cast<std::int16_t>(turn == 0 ? 0 : ((p.at[kRz] % turn) + turn) % turn);
     for (std::size_t i = 0; i < bins.size(); ++i) {
       const RotationBox& box = bins[i].box;
       bool inside = true;
       for (std::size_t a = 0; a < 3; ++a)
-        inside = inside && p.at[kRx + a] >= box.lo_deg[a] && p.at[kRx + a] < box.hi_deg[a];
+        inside = inside && p.at[kRx + a] >= first_angle(box.lo_deg[a]) &&
+                 p.at[kRx + a] <= last_angle(box.hi_deg[a]);
       if (inside) return p.bin = static_cast<int>(i);
     }
     return p.bin = -1;
@@ -193,8 +194,8 @@ class Landscape {
   static LatticePose lattice_pose(const Pose6& p) {
     const auto whole = [](double v) { return static_cast<std::int16_t>(std::lround(v)); };
     return {0,
-            {whole(p.x), whole(p.y), whole(p.z / kLatticeDistance), whole(p.rx / kDegree),
-             whole(p.ry / kDegree), whole(p.rz / kDegree)}};
+            {whole(p.x), whole(p.y), whole(p.z / kLatticeDistance), whole(p.rx / kLatticeAngle),
+             whole(p.ry / kLatticeAngle), whole(p.rz / kLatticeAngle)}};
   }
 
  private:

@@ -264,12 +264,12 @@ struct LaneSearch::Impl {
       node.offset_lo = static_cast<std::int16_t>(tile.offset_lo);
       node.offset_hi = static_cast<std::int16_t>(tile.offset_hi);
       node.alive = tile.feasible;
-      node.lo = {static_cast<std::int16_t>(std::max(box.lo_deg[0], tile.rx_min)),
-                 static_cast<std::int16_t>(std::max(box.lo_deg[1], tile.ry_min)),
-                 static_cast<std::int16_t>(box.lo_deg[2])};
-      node.hi = {static_cast<std::int16_t>(std::min(box.hi_deg[0] - 1, tile.rx_max)),
-                 static_cast<std::int16_t>(std::min(box.hi_deg[1] - 1, tile.ry_max)),
-                 static_cast<std::int16_t>(box.hi_deg[2] - 1)};
+      node.lo = {static_cast<std::int16_t>(std::max(first_angle(box.lo_deg[0]), tile.rx_min)),
+                 static_cast<std::int16_t>(std::max(first_angle(box.lo_deg[1]), tile.ry_min)),
+                 static_cast<std::int16_t>(first_angle(box.lo_deg[2]))};
+      node.hi = {static_cast<std::int16_t>(std::min(last_angle(box.hi_deg[0]), tile.rx_max)),
+                 static_cast<std::int16_t>(std::min(last_angle(box.hi_deg[1]), tile.ry_max)),
+                 static_cast<std::int16_t>(last_angle(box.hi_deg[2]))};
       if (node.lo[0] > node.hi[0] || node.lo[1] > node.hi[1]) continue;
       const float most = rounded_up(s.target->bins[b].offset);
       if (out_of_time(w)) {
@@ -632,11 +632,13 @@ struct LaneSearch::Impl {
       SearchOutcome& o = s->outcome;
       const LaneTarget& t = *s->target;
       o.complete = complete || s->phase != Phase::kFind;
+      // Only proven detections hide what waits: a better pose in the place of an unproven one still counts.
+      const double rest = o.complete ? kNever : highest(*s, i);
       while (s->phase == Phase::kFind && s->best.score > kNever) take_best(*s);
       const bool full = static_cast<int>(o.found.size()) >= t.max_detections;
       o.upper_bound = full ? std::max(t.threshold, o.found.back().score) : t.threshold;
       if (!o.complete) {
-        o.upper_bound = std::max(o.upper_bound, highest(*s, i));
+        o.upper_bound = std::max(o.upper_bound, rest);
         continue;
       }
       start_rivals(*s);

@@ -25,7 +25,7 @@ std::vector<TrainingView> known_views(const LearnParameters& p, const RotationBo
   for (int i = 0; i < p.images_per_bin; ++i) {
     TrainingView v;
     const auto angle = [&](std::size_t a) {
-      return (box.lo_deg[a] + (box.hi_deg[a] - box.lo_deg[a]) * unit(random)) * kLatticeAngle;
+      return (box.lo_deg[a] + (box.hi_deg[a] - box.lo_deg[a]) * unit(random)) * kOneDegree;
     };
     v.pose = {300 + 20 * unit(random),
               200 + 20 * unit(random),

@@ -36,9 +36,9 @@ TEST(Constraint, WithoutATableEverythingIsFeasible) {
   RandomProblem p(1);
   const Constraint constraint(p.camera(), 0.5, 2, std::nullopt);
   const Region r = constraint.whole(0, {{-10, -50, 0}, {10, -30, 20}});
-  EXPECT_EQ(r.lo[kZ], 250);
-  EXPECT_EQ(r.hi[kZ], 1000);
-  EXPECT_EQ(r.hi[kRx], 9);  // half-open box of degrees, closed lattice region
+  EXPECT_NEAR(r.lo[kZ] * kLatticeDistance, 0.5, 1e-9);
+  EXPECT_NEAR(r.hi[kZ] * kLatticeDistance, 2, 1e-9);
+  EXPECT_EQ(r.hi[kRx], last_angle(10));  // half-open box of degrees, closed lattice region
   EXPECT_EQ(constraint.tightened(r), r);
   EXPECT_TRUE(constraint.contains(p.pose_in(r)));
   EXPECT_EQ(constraint.coverage({}), 1);

@@ -37,7 +37,7 @@ TEST(PoseBall, ASinglePoseIsARegion) {
   int inside = 0;
   for (int round = 0; round < 2000; ++round) {
     const Region r = p.region(6);
-    const PoseBall ball(p.camera(), p.pose_in(r), {0.02, 0.1, 360});
+    const PoseBall ball(p.camera(), p.pose_in(r), {0.021, 0.1, 360});
     const LatticePose pose = p.pose_in(r);
     const bool contained = ball.contains(pose);
     EXPECT_EQ(contained, ball.contains_all({pose.bin, pose.at, pose.at})) << round;
@@ -63,10 +63,10 @@ TEST(PoseBall, IsTheDistanceAndTheAngleBetweenTheRigidPoses) {
 
 TEST(PoseBall, TurnsThatLookAlikeAreInside) {
   RandomProblem p(4);
-  const LatticePose a{0, {30, 20, 400, 2, -40, 5}};
-  for (const int turn : {0, 45, 90, 180}) {
+  const LatticePose a{0, {30, 20, 200, 1, -20, 3}};
+  for (const int turn : {0, 46, 90, 180}) {
     LatticePose b = a;
-    b.at[kRz] = static_cast<std::int16_t>(a.at[kRz] + turn);
+    b.at[kRz] = static_cast<std::int16_t>(a.at[kRz] + turn / kLatticeDegrees);
     const auto alike = [&](int symmetry) {
       return PoseBall(p.camera(), a, {0.01, 0.1, symmetry}).contains(b);
     };

@@ -31,7 +31,7 @@ class RandomProblem {
   /// A table that the camera looks down on.
   TableConstraint table() {
     return {TableGeometry::from_pitch_roll(uniform(0.4, 1.0), uniform(-0.2, 0.2), uniform(0.6, 1.0)),
-            {0.03, 6 * kLatticeAngle},
+            {0.03, 6 * kOneDegree},
             0.05};
   }
 
@@ -40,9 +40,16 @@ class RandomProblem {
     Region r;
     r.bin = whole(0, static_cast<int>(bins_.size()) - 1);
     const RotationBox& box = bins_[static_cast<std::size_t>(r.bin)].box;
-    const std::array<int, 6> lo{0, 0, 200, box.lo_deg[0], box.lo_deg[1], box.lo_deg[2]};
-    const std::array<int, 6> hi{camera_.width - 1, camera_.height - 1, 700,
-                                box.hi_deg[0] - 1, box.hi_deg[1] - 1,  box.hi_deg[2] - 1};
+    const auto z_index = [](double z_m) { return static_cast<int>(std::lround(z_m / kLatticeDistance)); };
+    const std::array<int, 6> lo{0,
+                                0,
+                                z_index(0.4),
+                                first_angle(box.lo_deg[0]),
+                                first_angle(box.lo_deg[1]),
+                                first_angle(box.lo_deg[2])};
+    const std::array<int, 6> hi{
+        camera_.width - 1,         camera_.height - 1,        z_index(1.4),
+        last_angle(box.hi_deg[0]), last_angle(box.hi_deg[1]), last_angle(box.hi_deg[2])};
     for (std::size_t d = 0; d < 6; ++d) {
       const int a = whole(lo[d], hi[d]);
       r.lo[d] = static_cast<std::int16_t>(a);

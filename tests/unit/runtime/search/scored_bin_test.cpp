@@ -9,6 +9,8 @@
 namespace sextant {
 namespace {
 
+constexpr auto kOneMetre = static_cast<std::int16_t>(1 / kLatticeDistance + 0.5);
+
 /// A frame of 100 x 80 pixels, f = 100: flat depth 1 m along every ray, one vertical edge pixel at (60, 40).
 struct TinyFrame {
   FrameTables tables;
@@ -48,7 +50,7 @@ TEST(Evaluate, IsTheThesisFormulaByHand) {
   d.radius = 0.02F;
   d.variance = 0.0001F;
   d.missing = 0.01F;
-  const LatticePose pose{0, {50, 40, 500, 0, 0, 0}};
+  const LatticePose pose{0, {50, 40, kOneMetre, 0, 0, 0}};
   const auto bins = score_bins(one_bin(v, d), Scoring::kThesis);
   EXPECT_EQ(bins[0].offset, 0);
   EXPECT_NEAR(evaluate(bins[0], frame.tables, pose),
@@ -72,7 +74,7 @@ TEST(Likelihood, RewardsTheFoundAndPunishesTheAbsent) {
   d.variance = 1e-6F;
   d.radius = 0.02F;
   d.missing = 0.01F;
-  const LatticePose pose{0, {50, 40, 500, 0, 0, 0}};
+  const LatticePose pose{0, {50, 40, kOneMetre, 0, 0, 0}};
   v.u[0] = 0.1F;
   const double both = evaluate(score_bins(one_bin(v, d), Scoring::kLikelihood)[0], frame.tables, pose);
   const auto perfect = score_bins(one_bin(v, d), Scoring::kLikelihood);
@@ -98,7 +100,7 @@ TEST(Likelihood, WhatIsOutsideOfTheImageMayCountAsUnknown) {
   DepthPart d;
   d.variance = 1e-6F;
   d.radius = 0.02F;
-  const LatticePose pose{0, {50, 40, 500, 0, 0, 0}};
+  const LatticePose pose{0, {50, 40, kOneMetre, 0, 0, 0}};
   ScoringOptions options;
   options.outside_is_unknown = false;
   const auto misses = score_bins(one_bin(v, d), options);
@@ -121,7 +123,7 @@ TEST(Likelihood, WhatStandsInFrontSaysLessThanWhatIsBehind) {
   DepthPart d;
   d.variance = 1e-6F;
   d.radius = 0.02F;
-  const LatticePose pose{0, {50, 40, 500, 0, 0, 0}};
+  const LatticePose pose{0, {50, 40, kOneMetre, 0, 0, 0}};
   const auto score = [&](float expected, const ScoringOptions& options) {
     d.d[0] = expected;  // the measured depth is 0
     ObjectModel model = one_bin({}, d);

@@ -29,7 +29,7 @@ struct SmallSpace {
   }
   TableConstraint table() {
     return {TableGeometry::from_pitch_roll(problem.uniform(0.65, 0.75), problem.uniform(-0.05, 0.05), 0.64),
-            {0.02, 6 * kLatticeAngle},
+            {0.02, 6 * kOneDegree},
             0.05};
   }
   SearchProblem search() const { return {bins, problem.tables(), constraint, 0.1}; }

@@ -148,9 +148,9 @@ TEST(LaneTile, HoldsEveryFeasiblePoseOfItsLanes) {
       LatticePose pose{0, {}};
       pose.at = {static_cast<std::int16_t>(x),
                  static_cast<std::int16_t>(y),
-                 static_cast<std::int16_t>(std::clamp(anchor + p.random.whole(-25, 25), 1, 3000)),
-                 static_cast<std::int16_t>(p.random.whole(-20, 20)),
-                 static_cast<std::int16_t>(p.random.whole(-70, -10)),
+                 static_cast<std::int16_t>(std::clamp(anchor + p.random.whole(-12, 12), 1, 1500)),
+                 static_cast<std::int16_t>(p.random.whole(-10, 10)),
+                 static_cast<std::int16_t>(p.random.whole(-35, -5)),
                  0};
       if (pose.at[kZ] < p.constraint.nearest_index() || pose.at[kZ] > p.constraint.farthest_index()) continue;
       if (!p.constraint.contains(pose)) continue;

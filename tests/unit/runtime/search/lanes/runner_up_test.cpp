@@ -52,7 +52,7 @@ TEST(RunnerUp, IsWhatBruteForceFinds) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const SmallSpace s(seed, 16 + static_cast<int>(seed % 5), 12, 0.9, 0.915);
     RunnerUpOptions options;
-    options.ball = {seed % 2 ? 0.02 : 0.05, static_cast<double>(seed % 3 + 1) * kLatticeAngle,
+    options.ball = {seed % 2 ? 0.02 : 0.05, static_cast<double>(seed % 3 + 1) * kOneDegree,
                     seed % 4 ? 360 : 0};
     if (seed % 5 == 4) options.most = 3;
     SearchOptions search;
@@ -87,7 +87,7 @@ TEST(RunnerUp, OutOfTimeItIsABound) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     const SmallSpace s(seed, 16, 12, 0.9, 0.915);
     RunnerUpOptions options;
-    options.ball = {0.02, 2 * kLatticeAngle, 360};
+    options.ball = {0.02, 2 * kOneDegree, 360};
     SearchOptions search;
     search.threshold = -1e6;
     search.max_detections = 2;
