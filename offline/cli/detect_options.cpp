@@ -54,7 +54,7 @@ void DetectArguments::add_to(CLI::App& command) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command.add_option("--threshold", threshold,
-                     "log score that a detection must reach (default: 15 % of the evidence)");
+                     "log score that a detection must reach (default: 10 % of the evidence)");
   command.add_option("--deadline-ms", detect.deadline_ms, "time for the search of one image, 0: none")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -35,7 +35,7 @@ struct DetectOptions {
   TableGeometry fixed_table;
   TableTolerance tolerance;
   int max_detections = 1;              ///< per object, 1..100
-  std::optional<double> threshold;     ///< log score that a detection must reach; empty: 15 % of the evidence
+  std::optional<double> threshold;     ///< log score that a detection must reach; empty: 10 % of the evidence
   double deadline_ms = 0;              ///< for the search of one frame; 0 = none
   int threads = 0;                     ///< of the search; 0 = all cores
   std::string scoring = "likelihood";  ///< see sextant detect --help

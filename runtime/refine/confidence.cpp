@@ -28,9 +28,10 @@ ConfidenceFeatures confidence_features(const PoseEstimate& estimate) {
 }
 
 const std::array<float, kConfidenceFeatures + 1>& general_confidence_weights() {
-  // Set by hand, not fitted: an ordering of poses, not yet a probability. `sextant calibrate` fits a model's
-  // own.
-  static constexpr std::array<float, kConfidenceFeatures + 1> kWeights{-9, 6, 3, 5, 1, 0, 1, 1};
+  // Fitted to what four bundled objects (two boxes, a can, a white mug) got in 120 synthesised images,
+  // docs/BENCHMARKS.md; `sextant calibrate` fits a model's own.
+  static constexpr std::array<float, kConfidenceFeatures + 1> kWeights{-17.09F, 5.17F, 1.75F, 6.37F,
+                                                                       3.37F,   0.28F, 0,     10.29F};
   return kWeights;
 }
 

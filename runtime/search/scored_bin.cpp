@@ -139,7 +139,7 @@ double evidence_share(const ScoredBin& bin, double score) {
 }
 
 double default_threshold(const std::vector<ScoredBin>& bins) {
-  constexpr double kShare = 0.15;
+  constexpr double kShare = 0.10;
   double sum = 0;
   for (const ScoredBin& bin : bins) sum += bin.zero + kShare * (bin.offset - bin.zero);
   return bins.empty() ? 0 : sum / static_cast<double>(bins.size());

@@ -28,13 +28,13 @@ struct ScoringOptions {
   // Parts of one kind err together (a warp of the depth, a shadow's edge), so that their evidence does not
   // simply add up: each kind's likelihood ratios are multiplied by its scale, 0..10.
   double visual_scale = 1;
-  double depth_scale = 1;
+  double depth_scale = 2;
   double table_scale = 2;
   /// Edges that fall outside of the image say nothing, as depth there does; false: they count as misses.
   bool outside_is_unknown = true;
   /// Depth nearer than expected may be something in front of the object: it says this share, 0..1, of what
   /// depth that is farther says, which the object cannot explain.
-  double occluder_share = 0.5;
+  double occluder_share = 0.3;
 
   ScoringOptions() = default;
   ScoringOptions(Scoring s) : scoring(s) {}  // NOLINT(google-explicit-constructor): a scoring and defaults

@@ -50,7 +50,7 @@ class Frontier {
   }
 
  private:
-  static constexpr std::size_t kRanges = 1024;
+  static constexpr std::size_t kRanges = 16;
   std::vector<std::vector<LaneNode>> stacks_ = std::vector<std::vector<LaneNode>>(kRanges);
   std::size_t first_ = kRanges;
   std::size_t size_ = 0;
