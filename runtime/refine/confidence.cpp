@@ -28,10 +28,11 @@ ConfidenceFeatures confidence_features(const PoseEstimate& estimate) {
 }
 
 const std::array<float, kConfidenceFeatures + 1>& general_confidence_weights() {
-  // Fitted to what four bundled objects (two boxes, a can, a white mug) got in 120 synthesised images,
-  // docs/BENCHMARKS.md; `sextant calibrate` fits a model's own.
-  static constexpr std::array<float, kConfidenceFeatures + 1> kWeights{-17.09F, 5.17F, 1.75F, 6.37F,
-                                                                       3.37F,   0.28F, 0,     10.29F};
+  // The mean of two fits: to the answers for four bundled objects in 300 synthesised images of three sensors,
+  // and to those for the five models without print in the Kinect frames of mOSD (docs/BENCHMARKS.md).
+  // `sextant calibrate` fits a model's own.
+  static constexpr std::array<float, kConfidenceFeatures + 1> kWeights{-20.0F, 3.95F, 4.85F, 4.97F,
+                                                                       3.1F,   0,     0.67F, 14.93F};
   return kWeights;
 }
 

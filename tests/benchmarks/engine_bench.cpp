@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole frames of a data set through features, tables and search: times, nodes, look-ups and the share of
-// each stage. sextant-engine-bench MODEL DATASET [threads] [repeats] [angle tolerance deg]
-// [likelihood|thesis] [table|free]
+// each stage; beside them, where asked for, the searches that this one replaces. scripts/bench search runs
+// it.
 #include <sys/resource.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
+#include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -17,7 +19,9 @@
 #include "runtime/features/edges.h"
 #include "runtime/frame/search_frame.h"
 #include "runtime/model/model_file.h"
+#include "runtime/search/branch_and_bound.h"
 #include "runtime/search/lanes/lane_search.h"
+#include "runtime/search/reference/thesis_search.h"
 
 namespace sextant {
 namespace {
@@ -32,31 +36,49 @@ double wall_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+struct Options {
+  std::string model, dataset, scoring = "likelihood", json;
+  int threads = 1, repeats = 1, most_images = 0;
+  double tolerance_deg = 12;
+  bool free_space = false, each = false;
+  double plain_s = 0, thesis_s = 0;  ///< time for the plain and the thesis's search of one image; 0: not run
+};
+
 /// Figures of one stage over all frames.
 struct Series {
-  std::vector<double> values;
-  double quantile(double q) {
+  std::string name, unit;
+  std::vector<double> values{};
+  double quantile(double q) const {
     if (values.empty()) return 0;
-    std::sort(values.begin(), values.end());
-    return values[std::min(values.size() - 1,
-                           static_cast<std::size_t>(q * static_cast<double>(values.size())))];
+    std::vector<double> sorted = values;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[std::min(sorted.size() - 1,
+                           static_cast<std::size_t>(q * static_cast<double>(sorted.size())))];
   }
-  void print(const char* name, const char* unit) {
-    std::printf("%-28s median %10.3f  p99 %10.3f  max %10.3f %s\n", name, quantile(0.5), quantile(0.99),
-                quantile(1.0), unit);
+  void print() const {
+    if (values.empty()) return;
+    std::printf("%-28s median %12.3f  p99 %12.3f  max %12.3f %s\n", name.c_str(), quantile(0.5),
+                quantile(0.99), quantile(1.0), unit.c_str());
   }
 };
 
-int run(const std::vector<std::string>& arg) {
-  const ObjectModel model = read_model(arg[1]);
-  const BopDataset set = open_bop_dataset(arg[2], "test");
-  const int threads = arg.size() > 3 ? std::stoi(arg[3]) : 1;
-  const int repeats = arg.size() > 4 ? std::stoi(arg[4]) : 3;
-  const double tolerance = arg.size() > 5 ? std::stod(arg[5]) * kOneDegree : TableTolerance{}.angle_rad;
-  const Scoring scoring = scoring_from_name(arg.size() > 6 ? arg[6] : "likelihood");
-  const bool free_space = arg.size() > 7 && arg[7] == "free";
+/// Runs another search of the same problem, best of all for at most `seconds`.
+template <typename Search>
+std::pair<SearchOutcome, double> timed(double seconds, SearchOptions options, Search search) {
+  const double start = wall_seconds();
+  options.expired = [&] { return wall_seconds() - start > seconds; };
+  SearchOutcome outcome = search(options);
+  return {std::move(outcome), wall_seconds() - start};
+}
 
-  WorkerPool pool(threads);
+int run(const Options& o) {
+  const ObjectModel model = read_model(o.model);
+  BopDataset set = open_bop_dataset(o.dataset, "test");
+  if (o.most_images > 0 && set.images.size() > static_cast<std::size_t>(o.most_images))
+    set.images.resize(static_cast<std::size_t>(o.most_images));
+  const Scoring scoring = scoring_from_name(o.scoring);
+
+  WorkerPool pool(o.threads);
   const std::vector<ScoredBin> bins = score_bins(model, scoring);
   const double threshold = default_threshold(bins);
   std::vector<LaneBin> lane_bins;
@@ -69,16 +91,25 @@ int run(const std::vector<std::string>& arg) {
   LaneTables lanes;
   LaneSearch search;
   EdgeFinder edge_finder;
-  Series features_ms, exact_ms, lanes_ms, search_ms, search_cpu_ms, nodes, fine, roots, parts, evaluations;
+  Series features_ms{"features", "ms"}, exact_ms{"exact tables", "ms"}, lanes_ms{"lane tables", "ms"};
+  Series search_ms{"search", "ms"}, search_cpu_ms{"search, processor", "ms"}, frame_ms{"frame to pose", "ms"};
+  Series nodes{"nodes (64 cells each)", ""}, roots{"  of them roots", ""}, fine{"  of them fine", ""};
+  Series parts{"parts (64 look-ups each)", ""}, evaluations{"exact evaluations", ""};
+  Series waiting{"nodes waiting at once", ""};
+  Series plain_ms{"plain search", "ms"}, plain_nodes{"plain search: regions", ""};
+  Series thesis_ms{"thesis's search", "ms"}, thesis_nodes{"thesis's search: regions", ""};
+  int plain_done = 0;
+  int thesis_done = 0;
   int found = 0;
   for (const BopImage& image : set.images) {
     const RgbdFrame frame = load_frame(image);
     std::optional<TableConstraint> standing;
-    if (!free_space)
-      standing = TableConstraint{*frame.table, {TableTolerance{}.height_m, tolerance}, model.centre_height_m};
+    if (!o.free_space)
+      standing = TableConstraint{
+          *frame.table, {TableTolerance{}.height_m, o.tolerance_deg * kOneDegree}, model.centre_height_m};
     double best_wall = std::numeric_limits<double>::infinity();
     double best_cpu = best_wall, best_features = best_wall, best_exact = best_wall, best_lanes = best_wall;
-    for (int r = 0; r < repeats; ++r) {
+    for (int r = 0; r < o.repeats; ++r) {
       double t = wall_seconds();
       const SearchFrame rectified = sextant::rectified(frame);
       const cv::Mat edges = edge_finder.edges_by_direction(rectified.colour, kFrameEdges);
@@ -89,7 +120,7 @@ int run(const std::vector<std::string>& arg) {
                                       1,
                                   2, 200);
       t = wall_seconds();
-      tables.build(rectified, edges, clip, pool, false);
+      tables.build(rectified, edges, clip, pool, o.plain_s > 0);
       best_exact = std::min(best_exact, wall_seconds() - t);
       t = wall_seconds();
       lanes.build(tables, pool);
@@ -103,7 +134,26 @@ int run(const std::vector<std::string>& arg) {
       best_wall = std::min(best_wall, wall_seconds() - t);
       if (r == 0) {
         found += outcome[0].found.empty() ? 0 : 1;
-        if (arg.size() > 8) {
+        const SearchProblem plain{bins, tables, constraint, model.bounding_radius_m};
+        const SearchOptions same{1, threshold, {}, {}};
+        if (o.plain_s > 0) {
+          const auto [other, seconds] = timed(
+              o.plain_s, same, [&](const SearchOptions& s) { return branch_and_bound(plain, s, pool); });
+          plain_ms.values.push_back(1e3 * seconds);
+          plain_nodes.values.push_back(static_cast<double>(other.nodes));
+          plain_done += other.complete ? 1 : 0;
+          const bool agree = other.found.empty() == outcome[0].found.empty() &&
+                             (other.found.empty() || other.found[0].pose == outcome[0].found[0].pose);
+          if (other.complete && !agree) throw std::logic_error("the two searches disagree");
+        }
+        if (o.thesis_s > 0) {
+          const auto [other, seconds] =
+              timed(o.thesis_s, same, [&](const SearchOptions& s) { return thesis_search(plain, s); });
+          thesis_ms.values.push_back(1e3 * seconds);
+          thesis_nodes.values.push_back(static_cast<double>(other.nodes));
+          thesis_done += other.complete ? 1 : 0;
+        }
+        if (o.each) {
           std::printf(
               "image %d: clip %d px, score %.3f of %.1f..%.1f, roots %lu coarse %lu fine %lu evaluated %lu\n",
               image.image_id, clip, outcome[0].found.empty() ? 0 : outcome[0].found[0].score, threshold,
@@ -123,20 +173,30 @@ int run(const std::vector<std::string>& arg) {
     roots.values.push_back(static_cast<double>(c.roots));
     parts.values.push_back(static_cast<double>(c.parts));
     evaluations.values.push_back(static_cast<double>(c.evaluations));
+    waiting.values.push_back(static_cast<double>(c.most_waiting));
+    frame_ms.values.push_back(1e3 * (best_features + best_exact + best_lanes + best_wall));
   }
-  std::printf("%zu images, found in %d, %d threads, %zu bins\n", set.images.size(), found, pool.threads(),
-              bins.size());
-  features_ms.print("features", "ms");
-  exact_ms.print("exact tables", "ms");
-  lanes_ms.print("lane tables", "ms");
-  search_ms.print("search", "ms");
-  search_cpu_ms.print("search, processor", "ms");
-  nodes.print("nodes (64 cells each)", "");
-  roots.print("  of them roots", "");
-  fine.print("  of them fine", "");
-  parts.print("parts (64 look-ups each)", "");
-  evaluations.print("exact evaluations", "");
-  std::printf("tables %.1f MB\n", 1e-6 * static_cast<double>(lanes.bytes()));
+  std::printf("%zu images, found in %d, %d threads, %zu bins, tables %.1f MB\n", set.images.size(), found,
+              pool.threads(), bins.size(), 1e-6 * static_cast<double>(lanes.bytes()));
+  nlohmann::ordered_json out;
+  out["images"] = set.images.size();
+  out["found"] = found;
+  out["threads"] = pool.threads();
+  out["bins"] = bins.size();
+  out["table_bytes"] = lanes.bytes();
+  out["plain_finished"] = plain_done;
+  out["thesis_finished"] = thesis_done;
+  for (const Series* s :
+       {&features_ms, &exact_ms, &lanes_ms, &search_ms, &search_cpu_ms, &frame_ms, &nodes, &roots, &fine,
+        &parts, &evaluations, &waiting, &plain_ms, &plain_nodes, &thesis_ms, &thesis_nodes}) {
+    s->print();
+    if (s->values.empty()) continue;
+    out["median"][s->name] = s->quantile(0.5);
+    out["p99"][s->name] = s->quantile(0.99);
+  }
+  if (!plain_ms.values.empty()) std::printf("plain search finished in %d images\n", plain_done);
+  if (!thesis_ms.values.empty()) std::printf("thesis's search finished in %d images\n", thesis_done);
+  if (!o.json.empty()) std::ofstream(o.json) << out.dump(2) << '\n';
   return 0;
 }
 
@@ -144,15 +204,23 @@ int run(const std::vector<std::string>& arg) {
 }  // namespace sextant
 
 int main(int argc, char** argv) {
-  const std::vector<std::string> arg(argv, argv + argc);
-  if (arg.size() < 3) {
-    std::fprintf(stderr,
-                 "usage: sextant-engine-bench MODEL DATASET [threads] [repeats] [tolerance deg] [scoring] "
-                 "[table|free] [each]\n");
-    return 2;
-  }
+  sextant::Options o;
+  CLI::App app{"Features, tables and search of whole frames: times and counts"};
+  app.add_option("model", o.model)->required();
+  app.add_option("dataset", o.dataset, "BOP data set with scene_table.json")->required();
+  app.add_option("--threads", o.threads, "of the search")->capture_default_str();
+  app.add_option("--repeats", o.repeats, "the best time of so many counts")->capture_default_str();
+  app.add_option("--images", o.most_images, "the first so many; 0: all")->capture_default_str();
+  app.add_option("--angle-tolerance-deg", o.tolerance_deg)->capture_default_str();
+  app.add_option("--scoring", o.scoring, "likelihood or thesis")->capture_default_str();
+  app.add_flag("--no-table", o.free_space, "no table constraint");
+  app.add_flag("--each", o.each, "a line for every image");
+  app.add_option("--plain-s", o.plain_s, "also the plain search, at most so long an image");
+  app.add_option("--thesis-s", o.thesis_s, "also the thesis's search, at most so long an image");
+  app.add_option("--json", o.json, "write the figures here");
+  CLI11_PARSE(app, argc, argv);
   try {
-    return sextant::run(arg);
+    return sextant::run(o);
   } catch (const sextant::DoorError& e) {
     std::fprintf(stderr, "sextant-engine-bench: %s\n", e.what());
     return static_cast<int>(e.exit_code());
