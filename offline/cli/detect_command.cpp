@@ -38,7 +38,9 @@ void print_text(const FrameResult& r) {
         "mm{}\n",
         e.object_name, e.score, e.log_score, e.gap, to_string(e.status), t.x(), t.y(), t.z(),
         1e3 * std::sqrt(e.covariance.topLeftCorner<3, 3>().trace()),
-        e.refinement.left_neighbourhood ? "  (refinement left the neighbourhood: lattice pose)" : "");
+        e.refinement.left_neighbourhood ? "  (refinement left the neighbourhood: lattice pose)"
+        : e.refinement.other_turn       ? "  (turned: scores less, fits the picture better)"
+                                        : "");
   }
   for (const ObjectOutcome& o : r.objects) {
     if (o.status == SearchStatus::kAbsent) {

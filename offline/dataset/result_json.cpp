@@ -11,6 +11,7 @@ using Json = nlohmann::ordered_json;
 Json refinement_json(const Refinement& r) {
   return {{"refined", r.refined},
           {"left_neighbourhood", r.left_neighbourhood},
+          {"other_turn", r.other_turn},
           {"shift_m", r.shift_m},
           {"turn_rad", r.turn_rad},
           {"depth_inlier_share", r.depth_inlier_share},

@@ -15,6 +15,7 @@
 #include "runtime/refine/refiner.h"
 #include "runtime/search/branch_and_bound.h"
 #include "runtime/search/lanes/lane_search.h"
+#include "runtime/search/other_turns.h"
 #include "runtime/search/reference/thesis_search.h"
 #include "runtime/search/seeds.h"
 
@@ -26,6 +27,19 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
+
+/// Share of the evidence by which another turn may score less and still be tried.
+constexpr double kNearlyAsGood = 0.1;
+constexpr std::size_t kMostOtherTurns = 3;
+/// Share of the pixels in which two turns differ that another turn must explain better.
+constexpr double kClearlyBetter = 0.1;
+
+/// The lattice pose behind an estimate.
+struct FoundPose {
+  LatticePose pose;
+  double score = 0;
+  const Constraint* constraint = nullptr;
+};
 
 /// A model under the chosen scoring.
 struct SearchedObject {
@@ -92,7 +106,8 @@ struct Detector::Impl {
   std::vector<ObjectModel> models;
   DetectOptions options;
   std::vector<SearchedObject> objects;
-  std::vector<Refiner> refiners;  ///< one per model
+  std::vector<Refiner> refiners;         ///< one per model
+  std::vector<FoundPose> lattice_poses;  ///< of the estimates of the frame at hand
   WorkerPool pool;
   Rectifier rectifier;
   EdgeFinder edge_finder;
@@ -215,6 +230,7 @@ struct Detector::Impl {
     if (searched.empty()) return result;
     const std::vector<SearchOutcome> outcomes =
         lanes ? search_together(searched, call, search_start) : search_in_turn(searched, call, search_start);
+    lattice_poses.clear();
     for (std::size_t i = 0; i < searched.size(); ++i) report(searched[i], frame, outcomes[i], result);
     result.seconds.search = seconds_since(search_start);
     if (call.searched) call.searched(record(prepared, searched, outcomes));
@@ -222,7 +238,10 @@ struct Detector::Impl {
     if (options.refine) {
       const auto refine_start = Clock::now();
       const RefineFrame seen{rectified, edges, result.table, table ? table->tolerance : options.tolerance};
-      for (PoseEstimate& estimate : result.estimates) refine(seen, frame, estimate);
+      for (std::size_t i = 0; i < result.estimates.size(); ++i) {
+        refine(seen, frame, result.estimates[i]);
+        try_other_turns(seen, frame, lattice_poses[i], result.estimates[i]);
+      }
       leave_out_doubtful(result);
       result.seconds.refine = seconds_since(refine_start);
     }
@@ -243,6 +262,38 @@ struct Detector::Impl {
     estimate.refinement = refined.quality;
     estimate.score = confidence(model.confidence, confidence_features(estimate));
     estimate.bbox = outline_box(model, frame.camera, refined.camera_from_object);
+  }
+
+  /// Where the score hardly tells which way an object is turned, the rigid model may: it sees every pixel.
+  /// What is chosen so is no longer the optimum of the score, and its certificate says by how much.
+  void try_other_turns(const RefineFrame& seen, const RgbdFrame& frame, const FoundPose& found,
+                       PoseEstimate& estimate) {
+    const ObjectModel& model = models[estimate.model_index];
+    const std::vector<ScoredBin>& bins = objects[estimate.model_index].bins;
+    const ScoredBin& bin = bins[static_cast<std::size_t>(found.pose.bin)];
+    const SearchProblem problem{bins, tables, *found.constraint, model.bounding_radius_m};
+    const double least = found.score - kNearlyAsGood * (bin.offset - bin.zero);
+    const double upper_bound = std::max(estimate.upper_bound, estimate.log_score);
+    for (const ScoredPose& other :
+         other_turns(problem, found.pose, model.symmetry_deg, least, kMostOtherTurns)) {
+      PoseEstimate turned = estimate;
+      turned.camera_from_object =
+          transform_from_pose(found.constraint->camera(), pose_of(other.pose)) * model.object_from_mesh;
+      turned.log_score = other.score;
+      turned.evidence_share = evidence_share(bins[static_cast<std::size_t>(other.pose.bin)], other.score);
+      turned.upper_bound = upper_bound;
+      turned.gap = std::max(0.0, upper_bound - other.score);
+      turned.status = turned.gap == 0 ? estimate.status : SearchStatus::kBounded;
+      turned.runner_up_margin = 0;
+      turned.runner_up_exact = false;
+      refine(seen, frame, turned);
+      turned.refinement.other_turn = true;
+      const RigidTransform mesh_from_object = model.object_from_mesh.inverse();
+      const double better = refiners[estimate.model_index].compare(
+          seen, estimate.camera_from_object * mesh_from_object, turned.camera_from_object * mesh_from_object);
+      // Where the shape is the same either way, the print and the outline tell.
+      if (better > kClearlyBetter || (better == 0 && turned.score > estimate.score)) estimate = turned;
+    }
   }
 
   /// Leaves out what is less certain than the wanted false-positive rate allows.
@@ -399,6 +450,7 @@ struct Detector::Impl {
         e.runner_up_exact = outcome.runner_ups[i].exact;
       }
       e.bbox = outline_box(model, frame.camera, camera_from_object);
+      lattice_poses.push_back({found.pose, found.score, searched.constraint});
       result.estimates.push_back(std::move(e));
     }
     result.objects.push_back(std::move(summary));

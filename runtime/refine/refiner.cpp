@@ -16,6 +16,7 @@
 #include "runtime/refine/depth_term.h"
 #include "runtime/refine/edge_term.h"
 #include "runtime/refine/local_table.h"
+#include "runtime/refine/picture_comparison.h"
 #include "runtime/refine/sensor_noise.h"
 
 namespace sextant {
@@ -111,6 +112,7 @@ struct Refiner::Impl {
   const ObjectModel& model;
   ContourEdges contours;
   DepthRaster raster;
+  DepthRaster other_raster;  ///< of the pose that one is compared with
   std::vector<EdgeSample> samples;
 
   explicit Impl(const ObjectModel& m) : model(m), contours(m) {}
@@ -207,6 +209,13 @@ Refiner::Refiner(Refiner&&) noexcept = default;
 
 RefinedPose Refiner::refine(const RefineFrame& input, const RigidTransform& camera_from_object) {
   return impl_->refine(input, camera_from_object);
+}
+
+double Refiner::compare(const RefineFrame& input, const RigidTransform& first, const RigidTransform& second) {
+  const PinholeCamera& camera = input.frame.camera;
+  impl_->raster.draw(impl_->model.mesh, first, camera);
+  impl_->other_raster.draw(impl_->model.mesh, second, camera);
+  return explained_better(input.frame, input.table, impl_->raster, impl_->other_raster);
 }
 
 Eigen::Matrix<double, 6, 6> moved_covariance(const Eigen::Matrix<double, 6, 6>& covariance,

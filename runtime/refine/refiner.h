@@ -55,6 +55,9 @@ class Refiner {
   /// with the information there as its covariance.
   RefinedPose refine(const RefineFrame& input, const RigidTransform& camera_from_object);
 
+  /// See picture_comparison.h: how much better the second pose of the object frame explains the depth image.
+  double compare(const RefineFrame& input, const RigidTransform& first, const RigidTransform& second);
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
