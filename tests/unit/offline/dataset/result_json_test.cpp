@@ -29,6 +29,7 @@ TEST(ResultJson, HasExactlyTheDocumentedKeys) {
   estimate.evidence_share = 0.5;
   estimate.covariance.diagonal() << 1, 2, 3, 4, 5, 6;
   estimate.refinement.refined = true;
+  estimate.refinement.other_turn = true;
   estimate.refinement.shift_m = 0.004;
   estimate.refinement.turn_rad = 0.02;
   estimate.refinement.depth_inlier_share = 0.5;
@@ -61,7 +62,7 @@ TEST(ResultJson, HasExactlyTheDocumentedKeys) {
       "runner_up_margin": 12.5, "runner_up_exact": true,
       "status": "bounded", "camera_from_object": [[0,-1,0,5],[1,0,0,6],[0,0,1,7],[0,0,0,1]],
       "covariance": [[1,0,0,0,0,0],[0,2,0,0,0,0],[0,0,3,0,0,0],[0,0,0,4,0,0],[0,0,0,0,5,0],[0,0,0,0,0,6]],
-      "refinement": {"refined": true, "left_neighbourhood": false, "shift_m": 0.004, "turn_rad": 0.02,
+      "refinement": {"refined": true, "left_neighbourhood": false, "other_turn": true, "shift_m": 0.004, "turn_rad": 0.02,
         "depth_inlier_share": 0.5, "off_surface_share": 0.25, "occluded_share": 0.125, "missing_share": 0.125,
         "depth_rms_m": 0.002, "edge_inlier_share": 0.75, "outline_inlier_share": 0.875, "mark_inlier_share": 0.625, "edge_rms_px": 0.5},
       "bbox": [1,2,3,4]}]})");
