@@ -16,7 +16,7 @@ namespace sextant {
 /// where the ray does not meet it. A pose's offset is its z index minus this.
 int anchor_distance(const Constraint& constraint, int x, int y);
 
-/// Ranges are closed and in lattice steps (2 mm, 1 deg); conservative where a lane is more than one pixel.
+/// Ranges are closed and in lattice steps; conservative where a lane is more than one pixel.
 struct LaneTile {
   int stage = 0;
   int x0 = 0, y0 = 0;  ///< first pixel of lane 0
