@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The lattice of poses over which "the global optimum" is claimed: 1 px, 1 px, 4 mm,
-// 2 deg, 2 deg, 2 deg (refinement does what is finer), anchored at 0 for every frame and bin, never re-anchored by clipping. Regions are
-// boxes of lattice poses of one viewpoint bin.
+// 2 deg, 2 deg, 2 deg (refinement does what is finer), anchored at 0 for every frame and bin, never
+// re-anchored by clipping. Regions are boxes of lattice poses of one viewpoint bin.
 #pragma once
 
 #include <array>
