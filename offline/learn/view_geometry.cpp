@@ -25,7 +25,7 @@ Pose6 random_pose(const LearnParameters& parameters, const RotationBox& box, dou
   pose.y = random.uniform(0, parameters.camera.height - 1);
   pose.z = random.uniform(std::max(parameters.min_distance_m, 2.5 * radius_m),
                           std::max(parameters.max_distance_m, 3.0 * radius_m));
-  // The lattice poses of the bin are lo..hi-1.
+  // The lattice poses of the bin lie in lo..hi-1, whole degrees.
   const auto angle = [&](std::size_t a) {
     return random.uniform(box.lo_deg[a] - 0.5, box.hi_deg[a] - 0.5) * kOneDegree;
   };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Memory for large tables that are read at random: on huge pages where the kernel has them, so that a look-up
-// does not also miss the address translation. Contents are not cleared.
+// does not also miss the address translation.
 #pragma once
 
 #include <sys/mman.h>
@@ -18,9 +18,9 @@ struct HugePageAllocator {
   static constexpr std::size_t kPage = std::size_t{2} << 20U;
 
   HugePageAllocator() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): allocators convert
   template <typename U>
-  HugePageAllocator(const HugePageAllocator<U>&) {
-  }  // NOLINT(google-explicit-constructor): allocators convert
+  HugePageAllocator(const HugePageAllocator<U>&) {}
 
   T* allocate(std::size_t n) {
     const std::size_t bytes = (n * sizeof(T) + kPage - 1) / kPage * kPage;

@@ -269,6 +269,7 @@ struct Detector::Impl {
   void try_other_turns(const RefineFrame& seen, const RgbdFrame& frame, const FoundPose& found,
                        PoseEstimate& estimate) {
     const ObjectModel& model = models[estimate.model_index];
+    const RigidTransform mesh_from_object = model.object_from_mesh.inverse();
     const std::vector<ScoredBin>& bins = objects[estimate.model_index].bins;
     const ScoredBin& bin = bins[static_cast<std::size_t>(found.pose.bin)];
     const SearchProblem problem{bins, tables, *found.constraint, model.bounding_radius_m};
@@ -288,7 +289,6 @@ struct Detector::Impl {
       turned.runner_up_exact = false;
       refine(seen, frame, turned);
       turned.refinement.other_turn = true;
-      const RigidTransform mesh_from_object = model.object_from_mesh.inverse();
       const double better = refiners[estimate.model_index].compare(
           seen, estimate.camera_from_object * mesh_from_object, turned.camera_from_object * mesh_from_object);
       // Where the shape is the same either way, the print and the outline tell.

@@ -12,13 +12,11 @@ import argparse
 import json
 import math
 import os
-import subprocess
 import sys
 import time
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-BIN = os.path.join(ROOT, "build/release/bin")
-MESHES = os.path.join(ROOT, "data/meshes")
+from programs import BIN, MESHES, ROOT, newer, run
+
 SEEDS = {"development": 1000, "report": 9000}
 SENSORS = ["kinect1", "xtion", "realsense"]
 OBJECTS = [  # id, name, mesh, units, up
@@ -35,18 +33,6 @@ OBJECTS = [  # id, name, mesh, units, up
 
 def say(text):
     print(text, flush=True)
-
-
-def run(command, **options):
-    """Runs a program; its standard output. Ends with a clear line where it fails."""
-    done = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, text=True, **options)
-    if done.returncode != 0:
-        sys.exit(f"accuracy: {' '.join(str(c) for c in command)} ended with {done.returncode}")
-    return done.stdout
-
-
-def newer(program, product):
-    return not os.path.exists(product) or os.path.getmtime(program) > os.path.getmtime(product)
 
 
 class Protocol:

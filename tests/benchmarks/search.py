@@ -10,23 +10,13 @@ The data set and the model are kept in build/bench/search; the model is made aga
 import argparse
 import json
 import os
-import subprocess
-import sys
 
-ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-BIN = os.path.join(ROOT, "build/release/bin")
-MESHES = os.path.join(ROOT, "data/meshes")
+from programs import BIN, MESHES, ROOT, newer, run
+
 OUT = os.path.join(ROOT, "build/bench/search")
 KEPT = os.path.join(ROOT, "docs/search-figures.json")
 COUNTS = ["nodes (64 cells each)", "parts (64 look-ups each)", "exact evaluations"]
 TIMES = ["features", "exact tables", "lane tables", "search", "frame to pose"]
-
-
-def run(command):
-    done = subprocess.run([str(c) for c in command], stdout=subprocess.PIPE, text=True)
-    if done.returncode != 0:
-        sys.exit(f"search: {' '.join(str(c) for c in command)} ended with {done.returncode}")
-    return done.stdout
 
 
 def prepare(images, absent):
@@ -34,7 +24,7 @@ def prepare(images, absent):
     os.makedirs(OUT, exist_ok=True)
     sextant = os.path.join(BIN, "sextant")
     model = os.path.join(OUT, "printed_box.sxm")
-    if not os.path.exists(model) or os.path.getmtime(model) < os.path.getmtime(sextant):
+    if newer(sextant, model):
         print("search: learning the printed box", flush=True)
         run([sextant, "compile", os.path.join(MESHES, "printed_box.obj"), "-o", model, "--units", "mm", "--up", "z",
              "--object-id", 1, "--params", os.path.join(ROOT, "config/demo-learning.yaml")])
@@ -75,7 +65,7 @@ def row(name, figures, before):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(prog="scripts/bench search", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--images", type=int, default=200)
     parser.add_argument("--absent", type=int, default=50)
     parser.add_argument("--repeats", type=int, default=2, help="the best time of so many counts")

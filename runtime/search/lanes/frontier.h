@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nodes waiting to be expanded, best bound first: one stack per range of bounds, so that putting and taking
 // are a few instructions. Within one range the last node put is the first taken, which keeps the frontier
-// small.
+// small. The ranges are coarse, because nodes of one neighbourhood use the same part of the tables: with 16
+// of them the search took 6 % less time than with 1024, with 8 it needs a quarter more nodes.
 #pragma once
 
 #include <algorithm>

@@ -14,8 +14,11 @@ namespace sextant {
 struct LaneNodeFrame {
   static constexpr float kPixelSlack = 2e-3F;  ///< pixels that float rounding may move a part
   static constexpr float kDepthSlack = 0.05F;  ///< depth steps
-  static constexpr int kStepsPerIndex = 80;    ///< depth steps in a lattice step of z
-  static constexpr int kFarIndex = 800;        ///< z from here on may not fit into 16 bits of depth steps
+  /// Depth steps in a lattice step of z.
+  static constexpr int kStepsPerIndex =
+      static_cast<int>(kLatticeDistance / double{FrameTables::kDepthUnit} + 0.5);
+  /// z from here on may not fit into 16 bits of depth steps.
+  static constexpr int kFarIndex = 64000 / kStepsPerIndex;
 
   std::array<float, 3> middle{}, half{};  ///< rx, ry, rz, radians
   float scale_lo = 0, scale_hi = 0;       ///< pixels per (tangent * metre)

@@ -108,7 +108,7 @@ TEST(BranchAndBound, AnInterruptedSearchStillTellsTheTruth) {
     options.threshold = -1e6;
     const SearchOutcome truth = brute_force(s.search(), s.space, options);
     if (truth.found.empty()) continue;
-    for (const int batches : {0, 1, 5, 20}) {
+    for (const int batches : {0, 1, 2, 3, 4, 5, 7, 10, 20}) {
       int left = batches;
       options.expired = [&left] { return left-- <= 0; };
       const SearchOutcome found = branch_and_bound(s.search(), options, serial);
