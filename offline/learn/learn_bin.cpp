@@ -186,7 +186,7 @@ ViewpointBin learn_bin(const std::vector<TrainingView>& views, const std::vector
   ViewpointBin bin;
   bin.box = box;
   bin.visual = learn_visual(views, scenes, parameters, grid, box, active, spacing_unit);
-  bin.depth = learn_depth(views, scenes, parameters, grid, active, spacing_unit);
+  bin.depth = learn_depth(views, scenes, parameters, grid, box, active, spacing_unit, bounding_radius_m);
   bin.extent = mean_extent(views, parameters.camera.focal);
   return bin;
 }

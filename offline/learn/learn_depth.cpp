@@ -3,8 +3,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 #include "offline/learn/select_parts.h"
+#include "runtime/model/quantisation.h"
+#include "runtime/search/lattice.h"
 
 namespace sextant {
 namespace {
@@ -80,12 +83,26 @@ std::vector<Spot> look_at(const std::vector<TrainingView>& views, const Position
   return spots;
 }
 
+/// Largest absolute value of a linear form in a box.
+double largest_in(const RotationBox& box, const Eigen::Vector4d& form) {
+  double centre = form[0];
+  double around = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double slope = form[static_cast<Eigen::Index>(a) + 1] * kOneDegree;
+    centre += slope * 0.5 * (box.lo_deg[a] + box.hi_deg[a]);
+    around += std::abs(slope) * 0.5 * (box.hi_deg[a] - box.lo_deg[a]);
+  }
+  return std::abs(centre) + around;
+}
+
 }  // namespace
 
 std::vector<DepthPart> learn_depth(const std::vector<TrainingView>& views,
                                    const std::vector<TestScene>& scenes, const LearnParameters& parameters,
-                                   const Positions& positions, std::array<bool, 4> active,
-                                   double spacing_unit) {
+                                   const Positions& positions, const RotationBox& box,
+                                   std::array<bool, 4> active, double spacing_unit,
+                                   double bounding_radius_m) {
+  const double reach = kDepthReach * rounding_limit_scale(bounding_radius_m);
   const std::vector<Spot> spots = look_at(views, positions, parameters.camera.focal, active);
   std::vector<DepthPart> parts;
   std::vector<PartCandidate> candidates;
@@ -100,6 +117,7 @@ std::vector<DepthPart> learn_depth(const std::vector<TrainingView>& views,
     const PartialFit& fit = on_object ? spots[i].object : spots[i].table;
     const auto [coefficients, variance] = fit.solve(active);
     if (variance < 0 || variance > parameters.depth_max_variance_m2) continue;
+    if (largest_in(box, coefficients) > reach) continue;
     DepthPart part;
     part.px = static_cast<float>(positions[i].x());
     part.py = static_cast<float>(positions[i].y());

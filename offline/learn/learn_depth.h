@@ -14,10 +14,13 @@
 namespace sextant {
 
 /// positions: where parts may be. active: which of (1, rx, ry, rz) may have a coefficient. spacing_unit:
-/// tangent * metre per unit of select_parts' spacing.
+/// tangent * metre per unit of select_parts' spacing. What some pose of the box expects more than
+/// kDepthReach (for objects of more than 0.25 m radius in proportion) before or behind the object's centre,
+/// as a table seen at a grazing angle, is no part: clutter stands before it, and 16 bits would not hold it.
+inline constexpr double kDepthReach = 0.5;  ///< metres
 std::vector<DepthPart> learn_depth(const std::vector<TrainingView>& views,
                                    const std::vector<TestScene>& scenes, const LearnParameters& parameters,
-                                   const Positions& positions, std::array<bool, 4> active,
-                                   double spacing_unit);
+                                   const Positions& positions, const RotationBox& box,
+                                   std::array<bool, 4> active, double spacing_unit, double bounding_radius_m);
 
 }  // namespace sextant

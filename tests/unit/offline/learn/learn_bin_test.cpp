@@ -119,6 +119,28 @@ TEST(LearnBin, TheRimAndTheTableBecomePartsToo) {
   for (const DepthPart& d : learn_bin(views, {}, p, box, kRadius).depth) EXPECT_NE(d.role, DepthRole::kTable);
 }
 
+/// A table seen at a grazing angle: its depth runs away with the pitch.
+TEST(LearnBin, WhatIsFarFromTheObjectIsNoPart) {
+  LearnParameters p;
+  p.depth_parts = 80;
+  const RotationBox box{{-10, -10, 20}, {10, 10, 40}};
+  const auto learnt = [&](double slope) {
+    auto views = known_views(p, box);
+    for (TrainingView& v : views) {
+      v.table_depth_m = cv::Mat::zeros(v.window.size(), CV_32FC1);
+      const int right = static_cast<int>(std::lround(v.pose.x)) - v.window.x + 2;
+      v.table_depth_m.colRange(right, v.window.width).setTo(v.pose.z + 0.1 + slope * v.pose.ry);
+    }
+    int table = 0;
+    for (const DepthPart& d : learn_bin(views, {}, p, box, kRadius).depth)
+      table += d.role == DepthRole::kTable ? 1 : 0;
+    return table;
+  };
+  EXPECT_GT(learnt(2), 10);  // 0.1 + 2 * 10 deg = 0.45 m
+  EXPECT_EQ(learnt(3), 0);   // 0.62 m
+  EXPECT_EQ(learnt(12), 0);
+}
+
 TEST(LearnBin, KindsThatAreOftenUnseenAreNoParts) {
   LearnParameters p;
   const RotationBox box{{-10, -50, 20}, {10, -30, 40}};
