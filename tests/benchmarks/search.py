@@ -27,7 +27,7 @@ def prepare(images, absent):
     if newer(sextant, model):
         print("search: learning the printed box", flush=True)
         run([sextant, "compile", os.path.join(MESHES, "printed_box.obj"), "-o", model, "--units", "mm", "--up", "z",
-             "--object-id", 1, "--params", os.path.join(ROOT, "config/demo-learning.yaml")])
+             "--object-id", 1, "--params", os.path.join(ROOT, "tests/benchmarks/search.yaml")])
     sets = []
     for name, with_it, without, seed in (("with", images, 0, 8000), ("without", 0, absent, 8500)):
         folder = os.path.join(OUT, f"{name}{with_it + without}")
