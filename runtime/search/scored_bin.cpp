@@ -138,10 +138,9 @@ double evidence_share(const ScoredBin& bin, double score) {
   return span > 0 ? std::clamp((score - bin.zero) / span, 0.0, 1.0) : 0.0;
 }
 
-double default_threshold(const std::vector<ScoredBin>& bins) {
-  constexpr double kShare = 0.10;
+double default_threshold(const std::vector<ScoredBin>& bins, double share) {
   double sum = 0;
-  for (const ScoredBin& bin : bins) sum += bin.zero + kShare * (bin.offset - bin.zero);
+  for (const ScoredBin& bin : bins) sum += bin.zero + share * (bin.offset - bin.zero);
   return bins.empty() ? 0 : sum / static_cast<double>(bins.size());
 }
 

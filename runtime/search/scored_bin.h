@@ -86,7 +86,8 @@ struct ScoredBin {
 double evidence_share(const ScoredBin& bin, double score);
 
 /// The threshold used where the user gives none: this share of the evidence of the average bin.
-double default_threshold(const std::vector<ScoredBin>& bins);
+inline constexpr double kDefaultEvidenceShare = 0.10;
+double default_threshold(const std::vector<ScoredBin>& bins, double share = kDefaultEvidenceShare);
 
 std::vector<ScoredBin> score_bins(const ObjectModel& model, const ScoringOptions& options);
 

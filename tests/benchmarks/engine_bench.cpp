@@ -39,7 +39,7 @@ double wall_seconds() {
 struct Options {
   std::string model, dataset, scoring = "likelihood", json;
   int threads = 1, repeats = 1, most_images = 0;
-  double tolerance_deg = 12;
+  double tolerance_deg = 12, threshold_share = kDefaultEvidenceShare;
   bool free_space = false, each = false;
   double plain_s = 0, thesis_s = 0;  ///< time for the plain and the thesis's search of one image; 0: not run
 };
@@ -80,7 +80,7 @@ int run(const Options& o) {
 
   WorkerPool pool(o.threads);
   const std::vector<ScoredBin> bins = score_bins(model, scoring);
-  const double threshold = default_threshold(bins);
+  const double threshold = default_threshold(bins, o.threshold_share);
   std::vector<LaneBin> lane_bins;
   double radius = 0;
   for (const ScoredBin& bin : bins) {
@@ -212,6 +212,8 @@ int main(int argc, char** argv) {
   app.add_option("--repeats", o.repeats, "the best time of so many counts")->capture_default_str();
   app.add_option("--images", o.most_images, "the first so many; 0: all")->capture_default_str();
   app.add_option("--angle-tolerance-deg", o.tolerance_deg)->capture_default_str();
+  app.add_option("--threshold-share", o.threshold_share, "of the evidence, that a pose must reach")
+      ->capture_default_str();
   app.add_option("--scoring", o.scoring, "likelihood or thesis")->capture_default_str();
   app.add_flag("--no-table", o.free_space, "no table constraint");
   app.add_flag("--each", o.each, "a line for every image");
