@@ -2,6 +2,7 @@
 # Build options and the flags that every target of ours shares.
 option(SEXTANT_TESTS "Build the tests" ON)
 option(SEXTANT_MPI "Build sextant-mpi (needs OpenMPI)" ON)
+option(SEXTANT_SEARCH_ONLY "Only the rooms up to the search, with their tests: what scripts/test-arm64 builds" OFF)
 set(SEXTANT_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 option(SEXTANT_FUZZ "Build the libFuzzer targets of tests/fuzz (Clang only)" OFF)
 

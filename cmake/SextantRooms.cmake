@@ -15,10 +15,12 @@ set(SEXTANT_MAY_USE_publish base refine idl geometry)
 set(SEXTANT_MAY_USE_hal base geometry frame idl)
 set(SEXTANT_MAY_USE_daemon base detect geometry frame model features tables search refine publish hal idl)
 set(SEXTANT_MAY_USE_offline base detect geometry frame model features tables search refine publish hal idl offline)
+# The daemon over ranks.
+set(SEXTANT_MAY_USE_mpi ${SEXTANT_MAY_USE_offline} daemon offline)
 
 # sextant_room(NAME [KIND kind] SOURCES files... USES rooms... LIBRARIES external targets...)
 # NAME is the target's short name; KIND (default NAME) is the row of the table above that rules it:
-# every folder of hal/ has KIND hal, every folder of offline/ has KIND offline.
+# every folder of hal/ has KIND hal, every folder of offline/ but mpi/ has KIND offline.
 function(sextant_room NAME)
   cmake_parse_arguments(ROOM "" "KIND" "SOURCES;USES;LIBRARIES" ${ARGN})
   if(NOT ROOM_KIND)

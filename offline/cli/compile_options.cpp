@@ -14,6 +14,8 @@ void CompileArguments::add_to(CLI::App& command) {
   mesh_arguments.add_to(command);
   command.add_option("--pitch-deg", pitch_deg,
                      "MIN:MAX: how far the cameras that will be used look down (default 25:55)");
+  command.add_flag("--all-orientations", all_orientations,
+                   "not only what stands on a table: every orientation, for searches with --table none");
   command.add_option("--params", parameter_file, "YAML file of learning parameters");
   command
       .add_option("--object-id", id, "BOP object id (default: the number in the mesh's file name, else 1)")
@@ -30,6 +32,10 @@ LearnParameters CompileArguments::parameters() const {
         static_cast<std::size_t>(used) != pitch_deg.size()) {
       throw UsageError("--pitch-deg " + pitch_deg + " is not MIN:MAX", "for example --pitch-deg 30:50");
     }
+  }
+  if (all_orientations) {
+    p.all_orientations = 1;
+    p.learn_table = 0;
   }
   if (seed) p.seed = *seed;
   p.check();

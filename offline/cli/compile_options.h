@@ -18,13 +18,14 @@ struct CompileArguments {
   std::filesystem::path output;
   std::filesystem::path parameter_file;
   std::string pitch_deg;
+  bool all_orientations = false;
   MeshArguments mesh_arguments;
   std::optional<int> id;
   std::optional<std::uint64_t> seed;
   int threads = 0;
 
   void add_to(CLI::App& command);
-  /// File, then --pitch-deg and --seed on top. Throws UsageError, InputError.
+  /// File, then --pitch-deg, --all-orientations and --seed on top. Throws UsageError, InputError.
   LearnParameters parameters() const;
   /// --object-id, else the number in the mesh's file name, else 1.
   int object_id() const;

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 #include "offline/mesh/standing_object.h"
 
@@ -18,6 +19,11 @@ struct MeshArguments {
   void add_to(CLI::App& command);
   /// Throws UsageError for values that make no sense.
   MeshOptions options() const;
+  /// More than one resting pose is asked for: all, or several numbers.
+  bool several() const { return rest == "all" || rest.find(',') != std::string::npos; }
+  /// The numbers of the resting poses that are asked for, of those that the mesh has: all of at least 5 %
+  /// probability, or the list. Throws UsageError.
+  std::vector<int> rests(const std::vector<RestingPose>& poses) const;
 };
 
 }  // namespace sextant

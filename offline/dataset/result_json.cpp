@@ -31,6 +31,7 @@ std::string format_result_json(const FrameResult& result) {
   Json objects = Json::array();
   for (const ObjectOutcome& object : result.objects) {
     objects.push_back({{"obj_id", object.object_id},
+                       {"name", object.object_name},
                        {"status", to_string(object.status)},
                        {"upper_bound", object.upper_bound},
                        {"coverage", object.coverage},
@@ -50,6 +51,7 @@ std::string format_result_json(const FrameResult& result) {
       covariance.push_back({c(0), c(1), c(2), c(3), c(4), c(5)});
     }
     detections.push_back({{"obj_id", estimate.object_id},
+                          {"name", estimate.object_name},
                           {"score", estimate.score},
                           {"evidence_share", estimate.evidence_share},
                           {"log_score", estimate.log_score},

@@ -36,12 +36,18 @@ void add_cells(const LearnParameters& p, const UprightPose& upright, std::set<Ce
   }
 }
 
-}  // namespace
-
-std::vector<RotationBox> lay_out_bins(const LearnParameters& p, int symmetry_deg) {
-  if (symmetry_deg != 0 && symmetry_deg != 90 && symmetry_deg != 180 && symmetry_deg != 360) {
-    throw UsageError("the symmetry angle must be 0, 90, 180 or 360 degrees");
+/// Cells of every orientation. Towards ry = -90 and 90 deg, where rx and rz turn about the same axis, several
+/// of them hold the same orientations: that costs time and loses nothing.
+std::set<Cell> all_cells(const LearnParameters& p) {
+  std::set<Cell> cells;
+  for (int rx = cell(-180, -p.bin_width_deg / 2, p.bin_width_deg); rx < 180; rx += p.bin_width_deg) {
+    for (int ry = -90; ry < 90; ry += p.bin_width_deg) cells.insert({rx, ry});
   }
+  return cells;
+}
+
+/// Cells that objects standing upright before the declared cameras can fall into.
+std::set<Cell> upright_cells(const LearnParameters& p) {
   constexpr int kPixels = 48;  // samples per image side
   constexpr double kStep = 1;  // degrees of pitch and roll
   std::set<Cell> cells;
@@ -65,6 +71,16 @@ std::vector<RotationBox> lay_out_bins(const LearnParameters& p, int symmetry_deg
       }
     }
   }
+  return cells;
+}
+
+}  // namespace
+
+std::vector<RotationBox> lay_out_bins(const LearnParameters& p, int symmetry_deg) {
+  if (symmetry_deg != 0 && symmetry_deg != 90 && symmetry_deg != 180 && symmetry_deg != 360) {
+    throw UsageError("the symmetry angle must be 0, 90, 180 or 360 degrees");
+  }
+  const std::set<Cell> cells = p.all_orientations != 0 ? all_cells(p) : upright_cells(p);
   const int rz_bins = symmetry_deg == 0 ? 1 : (symmetry_deg + p.turn_width_deg - 1) / p.turn_width_deg;
   std::vector<RotationBox> boxes;
   for (const auto& [rx, ry] : cells) {
@@ -72,7 +88,9 @@ std::vector<RotationBox> lay_out_bins(const LearnParameters& p, int symmetry_deg
       RotationBox box;
       const int rx_lo = std::max(rx, -180);
       box.lo_deg = {rx_lo, ry, symmetry_deg * k / rz_bins};
-      box.hi_deg = {std::min(rx + p.bin_width_deg, 180), std::min(ry + p.bin_width_deg, 91),
+      const bool to_the_pole = p.all_orientations != 0 && ry + p.bin_width_deg >= 90;
+      box.hi_deg = {std::min(rx + p.bin_width_deg, 180),
+                    to_the_pole ? 91 : std::min(ry + p.bin_width_deg, 91),
                     symmetry_deg == 0 ? 1 : symmetry_deg * (k + 1) / rz_bins};
       boxes.push_back(box);
     }

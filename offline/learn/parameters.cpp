@@ -50,6 +50,7 @@ const std::vector<Field>& fields() {
       field("visual_candidates", &P::visual_candidates, 0, 1000),
       field("depth_parts", &P::depth_parts, 0, 1000),
       field("learn_table", &P::learn_table, 0, 1),
+      field("all_orientations", &P::all_orientations, 0, 1),
       field("turn_width_deg", &P::turn_width_deg, 5, 45),
       field("scenes_per_bin", &P::scenes_per_bin, 0, 10000),
       field("visual_radius_px", &P::visual_radius_px, 0.5, 50),

@@ -15,11 +15,13 @@ namespace sextant {
 inline constexpr double kReferenceFocal = 525;
 
 struct LearnParameters {
-  int images_per_bin = 60;               ///< n: rendered training images, 10..10000
-  int visual_parts = 40;                 ///< n_V, 0..1000
-  int visual_candidates = 100;           ///< edges put to the test, of which visual_parts are kept, 0..1000
-  int depth_parts = 75;                  ///< on the object and, with learn_table, beside it, 0..1000
-  int learn_table = 1;                   ///< 1: what is seen of the table beside the object becomes parts too
+  int images_per_bin = 60;      ///< n: rendered training images, 10..10000
+  int visual_parts = 40;        ///< n_V, 0..1000
+  int visual_candidates = 100;  ///< edges put to the test, of which visual_parts are kept, 0..1000
+  int depth_parts = 75;         ///< on the object and, with learn_table, beside it, 0..1000
+  int learn_table = 1;          ///< 1: what is seen of the table beside the object becomes parts too
+  int all_orientations =
+      0;  ///< 1: bins for every orientation, whatever the cameras; for searches without a table
   int scenes_per_bin = 24;               ///< scenes in which parts are put to the test; 0: none
   double visual_radius_px = 5;           ///< r_V: receptive field, pixels at 1 m
   double depth_radius_m = 0.02;          ///< r_D

@@ -7,6 +7,7 @@
 
 #include "offline/mpi/mpi_compile.h"
 #include "offline/mpi/mpi_detect.h"
+#include "offline/mpi/mpi_serve.h"
 #include "offline/mpi/mpi_tune.h"
 #include "runtime/base/error.h"
 #include "runtime/base/version.h"
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", sextant::kProgramVersion);
   sextant::add_mpi_compile_command(app, exit_code);
   sextant::add_mpi_detect_command(app, exit_code);
+  sextant::add_mpi_serve_command(app, exit_code);
   sextant::add_mpi_tune_command(app, exit_code);
   try {
     app.parse(argc, argv);

@@ -5,10 +5,7 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <memory>
-#include <optional>
 
 #include "offline/cli/detect_command.h"
 #include "offline/mpi/mpi_job.h"
@@ -38,39 +35,30 @@ InjectedFault fault_from(const std::string& text) {
   return fault;
 }
 
-Bytes bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::vector<char> text{std::istreambuf_iterator<char>(in), {}};
-  const auto* first = reinterpret_cast<const std::byte*>(text.data());
-  return {first, first + text.size()};
-}
-
 ExitCode run(const MpiDetectArguments& a) {
   // Everything that may refuse the input comes before MPI starts, so that a bad option is one clear line.
-  DetectOptions options = a.detect.options();
+  const DetectOptions options = a.detect.options();
   const InjectedFault fault = fault_from(a.fault);
   if (options.bound != "lanes") throw UsageError("over ranks there is only --bound lanes");
   if (!a.detect.proof.empty()) throw UsageError("--proof is for sextant detect");
-  for (const auto& file : a.detect.models) read_model(file);
+  std::vector<ObjectModel> models;
+  for (const auto& file : a.detect.models) models.push_back(read_model(file));
   // Ended below and not by an exception: then main() aborts the job, where ending would wait for all ranks.
   auto* job = new MpiJob;
   // A rank that dies is the coordinator's business, not the end (with mpirun --enable-recovery).
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
   if (job->rank != 0) {
-    options.refine = false;
-    options.threads = 1;
-    const bool together = work_for_coordinator(job->rank, a.detect.models.size(), options, fault);
+    const bool together = work_for_coordinator(job->rank, fault);
     std::fflush(nullptr);
     if (!together) _exit(0);
     delete job;
     return ExitCode::kDone;
   }
   SearchCoordinator coordinator(job->ranks, a.coordinator);
-  std::vector<Bytes> models;
-  for (const auto& file : a.detect.models) models.push_back(bytes_of(file));
-  coordinator.send_models(models);
+  const Detector detector(std::move(models), options);
+  coordinator.send_setup(detector);
   const ExitCode code = run_detect(a.detect, [&](const RgbdFrame& frame, DetectCall& call) {
-    coordinator.send_frame(frame);
+    coordinator.send_frame(frame, call, detector.models());
     call.search = [&](const LaneSearchProblem& problem) { return coordinator.run(problem); };
   });
   coordinator.end();

@@ -10,8 +10,10 @@ namespace sextant {
 struct MpiJob {
   int rank = 0;
   int ranks = 1;
+  /// Several threads may speak, one at a time.
   MpiJob() {
-    MPI_Init(nullptr, nullptr);
+    int provided = 0;
+    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &provided);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   }

@@ -12,8 +12,10 @@
 #include <limits>
 #include <thread>
 
+#include "offline/mpi/detect_wire.h"
 #include "offline/mpi/frame_wire.h"
 #include "runtime/base/error.h"
+#include "runtime/model/model_file.h"
 
 namespace sextant {
 namespace {
@@ -57,14 +59,44 @@ bool SearchCoordinator::lost_elsewhere() const {
   return std::any_of(workers_.begin(), workers_.end(), [](const Worker& w) { return w.lost && !w.here; });
 }
 
-void SearchCoordinator::send_models(const std::vector<Bytes>& models) {
+void SearchCoordinator::send_setup(const Detector& detector) {
+  Bytes setup;
+  append(setup, SetupMessage{detector.models().size()});
+  append_options(setup, detector.options());
+  close_frame();
   for (const Worker& w : workers_) {
-    for (const Bytes& model : models) mail_.send(w.rank, SearchTag::kModel, model);
+    if (!w.lost) mail_.send(w.rank, SearchTag::kSetup, setup);
+  }
+  for (const ObjectModel& model : detector.models()) {
+    const Bytes file = encode_model(model);
+    for (const Worker& w : workers_) {
+      if (!w.lost) mail_.send(w.rank, SearchTag::kModel, file);
+    }
   }
 }
 
-void SearchCoordinator::send_frame(const RgbdFrame& frame) {
+void SearchCoordinator::close_frame() {
+  if (!frame_open_) return;
+  frame_open_ = false;
+  for (const Worker& w : workers_) {
+    if (!w.lost) mail_.send_plain(w.rank, SearchTag::kStop, stamp_);
+  }
+}
+
+void SearchCoordinator::keep_alive() {
+  if (frame_open_) return;
+  handle_messages();
   look_for_lost();
+  for (const Worker& w : workers_) {
+    if (!w.lost) mail_.send(w.rank, SearchTag::kAlive, {});
+  }
+}
+
+void SearchCoordinator::send_frame(const RgbdFrame& frame, const DetectCall& call,
+                                   const std::vector<ObjectModel>& models) {
+  look_for_lost();
+  close_frame();
+  frame_open_ = true;
   ++stamp_.frame;
   stamp_.pass = 0;
   const auto count = static_cast<std::uint32_t>(1 + workers_.size() - lost());
@@ -81,6 +113,7 @@ void SearchCoordinator::send_frame(const RgbdFrame& frame) {
     w.last_heard = MPI_Wtime();
     Bytes bytes;
     append(bytes, FrameShare{stamp_.frame, index, count});
+    append_call(bytes, call, models);
     append_frame(bytes, frame);
     mail_.send(w.rank, SearchTag::kFrame, std::move(bytes));
   }
@@ -88,6 +121,7 @@ void SearchCoordinator::send_frame(const RgbdFrame& frame) {
 
 std::vector<SearchOutcome> SearchCoordinator::run(const LaneSearchProblem& problem) {
   const std::size_t targets = problem.targets.size();
+  frame_open_ = false;  // ended by stop()
   my_nodes_ = 0;
   nodes_elsewhere_ = 0;
   moved_ = 0;

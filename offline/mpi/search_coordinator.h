@@ -24,10 +24,13 @@ class SearchCoordinator {
  public:
   /// Waits for every rank's first word. Throws DeviceError where one does not speak within a minute.
   SearchCoordinator(int ranks, const CoordinatorOptions& options);
-  /// Model files (their bytes) for all workers.
-  void send_models(const std::vector<Bytes>& models);
-  /// The next frame: all workers prepare it and wait for the search.
-  void send_frame(const RgbdFrame& frame);
+  /// What the frames to come are searched for and how, for all workers.
+  void send_setup(const Detector& detector);
+  /// The next frame: all workers prepare it and wait for the search. call: asked about the models of the last
+  /// setup. A frame before it that was never searched is forgotten.
+  void send_frame(const RgbdFrame& frame, const DetectCall& call, const std::vector<ObjectModel>& models);
+  /// Between two frames that are far apart: workers that hear nothing for minutes give up.
+  void keep_alive();
   /// Searches the frame sent last. The outcome is the one of LaneSearch::run.
   std::vector<SearchOutcome> run(const LaneSearchProblem& problem);
   /// Ends the workers.
@@ -57,6 +60,7 @@ class SearchCoordinator {
   static constexpr int kNobody = -1;
   static constexpr int kMyself = -2;
 
+  void close_frame();
   bool handle_messages();
   void handle(const ReceivedMessage& m);
   void look_for_lost();
@@ -75,6 +79,7 @@ class SearchCoordinator {
   std::vector<Worker> workers_;  ///< ranks 1..
   LaneSearch engine_;
   SearchStamp stamp_;
+  bool frame_open_ = false;  ///< workers have a frame and wait for its search
   std::vector<ScoredPose> told_;
   std::vector<LaneNode> pool_;  ///< taken back and not yet moved on
   std::vector<double> bounds_;  ///< after kStop, of the workers that answered

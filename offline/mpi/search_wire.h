@@ -26,8 +26,10 @@ enum class SearchTag : int {
   kNodes,        ///< SearchStamp, LaneNode...: what was asked for with kGive
   kBounds,       ///< SearchStamp, double per object: what still waits, after kStop
   // to a worker
-  kModel,    ///< name length, name, bytes of a model file
-  kFrame,    ///< FrameShare and a frame: search it
+  kSetup,    ///< SetupMessage and the options: forget what was
+  kModel,    ///< bytes of a model file, as often as the setup said
+  kFrame,    ///< FrameShare, what is asked for, a frame: search it
+  kAlive,    ///< nothing: the coordinator is there, and has nothing to do
   kTake,     ///< SearchStamp, LaneNode...: these are yours now
   kGive,     ///< GiveMessage
   kAdvance,  ///< SearchStamp, ScoredPose per object: the pass is over
@@ -64,6 +66,9 @@ struct GiveMessage {
 /// together: MPI_Finalize, which waits for all ranks; else one of them is lost and everybody just leaves.
 struct EndMessage {
   bool together = true;
+};
+struct SetupMessage {
+  std::uint64_t models = 0;
 };
 /// Which share of the roots is the receiver's.
 struct FrameShare {

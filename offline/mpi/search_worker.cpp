@@ -11,6 +11,7 @@
 #include <memory>
 #include <thread>
 
+#include "offline/mpi/detect_wire.h"
 #include "offline/mpi/frame_wire.h"
 #include "runtime/base/error.h"
 #include "runtime/model/model_file.h"
@@ -23,8 +24,9 @@ constexpr std::size_t kNodesPerLook = 32;
 constexpr double kStatusInterval = 0.002;  ///< seconds, while there is work
 constexpr double kIdleInterval = 0.05;     ///< seconds, without
 constexpr double kLongestSilence = 300;    ///< seconds without a word from the coordinator
+constexpr double kSoon = 1;                ///< seconds in which the next frame is likely
 
-void rest() { std::this_thread::sleep_for(std::chrono::microseconds(100)); }
+void rest(int microseconds = 100) { std::this_thread::sleep_for(std::chrono::microseconds(microseconds)); }
 
 class Worker {
  public:
@@ -46,7 +48,7 @@ class Worker {
         throw DeviceError("rank " + std::to_string(rank_), "the coordinator is silent",
                           "see rank 0's output");
       }
-      rest();
+      rest(MPI_Wtime() - start < kSoon ? 100 : 2000);
     }
   }
 
@@ -124,6 +126,8 @@ class Worker {
         engine_.finish(false, {});
         return true;
       }
+      case SearchTag::kAlive:
+        return false;
       default:
         throw std::logic_error("a worker got a message for somebody else");
     }
@@ -163,28 +167,48 @@ class Worker {
 
 }  // namespace
 
-bool work_for_coordinator(int rank, std::size_t models, const DetectOptions& options,
-                          const InjectedFault& fault) {
+bool work_for_coordinator(int rank, const InjectedFault& fault) {
   Worker worker(rank, fault);
   worker.say_hello();
+  std::uint64_t models = 0;
+  DetectOptions options;
   std::vector<ObjectModel> read;
   std::unique_ptr<Detector> detector;
   while (true) {
     const ReceivedMessage m = worker.next();
     ByteReader reader(m.bytes);
-    if (m.tag == SearchTag::kEnd) return reader.take<EndMessage>().together;
-    if (m.tag == SearchTag::kModel) {
-      read.push_back(decode_model({m.bytes.data(), m.bytes.size()}, "the coordinator's model"));
-      if (read.size() == models) detector = std::make_unique<Detector>(std::move(read), options);
-      continue;
+    switch (m.tag) {
+      case SearchTag::kEnd:
+        return reader.take<EndMessage>().together;
+      case SearchTag::kSetup:
+        models = reader.take<SetupMessage>().models;
+        options = take_options(reader);
+        options.refine = false;
+        options.threads = 1;
+        read.clear();
+        detector.reset();
+        break;
+      case SearchTag::kModel:
+        read.push_back(decode_model({m.bytes.data(), m.bytes.size()}, "the coordinator's model"));
+        if (read.size() == models) detector = std::make_unique<Detector>(std::move(read), options);
+        break;
+      case SearchTag::kFrame: {
+        if (!detector) break;
+        const auto share = reader.take<FrameShare>();
+        DetectCall call = take_call(reader, detector->models());
+        const RgbdFrame frame = take_frame(reader);
+        call.deadline_ms = 0;
+        call.search = [&](const LaneSearchProblem& problem) { return worker.search(problem, share); };
+        try {
+          detector->detect(frame, call);
+        } catch (const DoorError&) {
+          // The coordinator refuses the frame in the same words, and where they are read.
+        }
+        break;
+      }
+      default:
+        break;  // left over from the last frame
     }
-    if (m.tag != SearchTag::kFrame || !detector) continue;  // left over from the last frame
-    const auto share = reader.take<FrameShare>();
-    const RgbdFrame frame = take_frame(reader);
-    DetectCall call;
-    call.deadline_ms = 0;
-    call.search = [&](const LaneSearchProblem& problem) { return worker.search(problem, share); };
-    detector->detect(frame, call);
   }
 }
 

@@ -5,9 +5,6 @@
 
 #include <cstdint>
 
-#include "offline/mpi/search_wire.h"
-#include "runtime/detect/detector.h"
-
 namespace sextant {
 
 /// For tests: a rank that sends itself a signal after so many expanded nodes.
@@ -17,9 +14,8 @@ struct InjectedFault {
   int signal = 0;
 };
 
-/// Searches frames until the coordinator ends the job. models: how many come first. True: all ranks are there
-/// to end together. Throws DeviceError where the coordinator falls silent.
-bool work_for_coordinator(int rank, std::size_t models, const DetectOptions& options,
-                          const InjectedFault& fault);
+/// Searches frames until the coordinator ends the job. True: all ranks are there to end together. Throws
+/// DeviceError where the coordinator falls silent.
+bool work_for_coordinator(int rank, const InjectedFault& fault);
 
 }  // namespace sextant

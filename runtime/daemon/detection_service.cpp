@@ -88,6 +88,7 @@ struct Look {
 
 struct DetectionService::Impl {
   ModelsChanged models_changed;
+  SearchElsewhere search_elsewhere;
   std::atomic<bool> cancelled = false;
   std::mutex change_mutex;   // one change at a time
   mutable std::mutex mutex;  // guards the rest
@@ -254,6 +255,7 @@ struct DetectionService::Impl {
     if (s.region != ImageRegion{}) {
       std::copy(s.region.begin(), s.region.end(), call.image_region.emplace().begin());
     }
+    if (search_elsewhere) search_elsewhere(frame, s.detector, call);
     return s.detector->detect(frame, call);
   }
 };
@@ -270,9 +272,11 @@ FrameResult part_of(const FrameResult& result, const std::function<bool(const st
 
 }  // namespace
 
-DetectionService::DetectionService(DetectionSetup setup, ModelsChanged models_changed)
+DetectionService::DetectionService(DetectionSetup setup, ModelsChanged models_changed,
+                                   SearchElsewhere search_elsewhere)
     : impl_(std::make_unique<Impl>()) {
   impl_->models_changed = std::move(models_changed);
+  impl_->search_elsewhere = std::move(search_elsewhere);
   impl_->set(begin(std::move(setup)));
 }
 

@@ -23,6 +23,11 @@ struct DetectionSetup {
   double max_look_age_ms = 600'000;                  ///< from capture to the answer of a look
 };
 
+/// Told of every frame before it is searched, on the thread that detects: lets others search it too, by
+/// `call.search`. `call` says what is looked for; a changed detector is another object.
+using SearchElsewhere = std::function<void(
+    const RgbdFrame& frame, const std::shared_ptr<const Detector>& detector, DetectCall& call)>;
+
 class DetectionService {
  public:
   using Clock = std::chrono::steady_clock;
@@ -30,7 +35,8 @@ class DetectionService {
   using ModelsChanged = std::function<void(const std::vector<ObjectModel>&)>;
 
   /// Throws as Detector does; a setup without models finds nothing.
-  explicit DetectionService(DetectionSetup setup, ModelsChanged models_changed = {});
+  explicit DetectionService(DetectionSetup setup, ModelsChanged models_changed = {},
+                            SearchElsewhere search_elsewhere = {});
   ~DetectionService();
   DetectionService(const DetectionService&) = delete;
   DetectionService& operator=(const DetectionService&) = delete;

@@ -5,8 +5,11 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 
 #include "runtime/base/error.h"
+#include "runtime/detect/resting_poses.h"
 #include "runtime/features/edges.h"
 #include "runtime/frame/search_frame.h"
 #include "runtime/frame/table_estimate.h"
@@ -232,6 +235,7 @@ struct Detector::Impl {
         lanes ? search_together(searched, call, search_start) : search_in_turn(searched, call, search_start);
     lattice_poses.clear();
     for (std::size_t i = 0; i < searched.size(); ++i) report(searched[i], frame, outcomes[i], result);
+    merge_resting_poses(result);
     result.seconds.search = seconds_since(search_start);
     if (call.searched) call.searched(record(prepared, searched, outcomes));
 
@@ -247,6 +251,53 @@ struct Detector::Impl {
     }
     result.seconds.total = seconds_since(start);
     return result;
+  }
+
+  /// Models with the same object id are one object in several resting poses: one answer for each place.
+  void merge_resting_poses(FrameResult& result) {
+    std::map<int, std::vector<RestingBound>> objects_of_id;
+    for (const ObjectOutcome& o : result.objects) {
+      objects_of_id[o.object_id].push_back({o.model_index, o.upper_bound});
+    }
+    std::vector<PoseEstimate> estimates;
+    std::vector<FoundPose> found;
+    std::set<int> merged;
+    for (std::size_t i = 0; i < result.estimates.size(); ++i) {
+      const int id = result.estimates[i].object_id;
+      const std::vector<RestingBound>& bounds = objects_of_id[id];
+      if (bounds.size() < 2) {
+        estimates.push_back(result.estimates[i]);
+        found.push_back(lattice_poses[i]);
+        continue;
+      }
+      if (!merged.insert(id).second) continue;
+      std::vector<std::size_t> of_id;
+      std::vector<RestingAnswer> answers;
+      for (std::size_t k = i; k < result.estimates.size(); ++k) {
+        const PoseEstimate& e = result.estimates[k];
+        if (e.object_id != id) continue;
+        const FoundPose& f = lattice_poses[k];
+        const ScoredBin& bin = objects[e.model_index].bins[static_cast<std::size_t>(f.pose.bin)];
+        of_id.push_back(k);
+        answers.push_back({e.model_index, f.score, box_of(bin, f.constraint->camera().focal, f.pose)});
+      }
+      for (const RestingChoice& choice : one_per_place(answers, bounds, options.max_detections)) {
+        const std::size_t k = of_id[choice.answer];
+        PoseEstimate e = result.estimates[k];
+        e.upper_bound = choice.upper_bound;
+        e.gap = std::max(0.0, e.upper_bound - e.log_score);
+        if (e.gap > 0) e.status = SearchStatus::kBounded;
+        const double margin = std::max(0.0, e.log_score - choice.rival);
+        if (options.runner_up && margin < e.runner_up_margin) {
+          e.runner_up_margin = margin;
+          e.runner_up_exact = choice.rival_exact;
+        }
+        estimates.push_back(std::move(e));
+        found.push_back(lattice_poses[k]);
+      }
+    }
+    result.estimates = std::move(estimates);
+    lattice_poses = std::move(found);
   }
 
   /// Replaces a lattice pose by the continuous one.
@@ -468,5 +519,6 @@ void Detector::prepare(const RgbdFrame& frame, const std::function<void(const Se
   visit(impl_->record(prepared, impl_->searched_models({}, prepared.constraints), {}));
 }
 const std::vector<ObjectModel>& Detector::models() const { return impl_->models; }
+const DetectOptions& Detector::options() const { return impl_->options; }
 
 }  // namespace sextant

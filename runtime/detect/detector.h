@@ -99,6 +99,7 @@ class Detector {
   /// Everything up to the search, and no search.
   void prepare(const RgbdFrame& frame, const std::function<void(const SearchRecord&)>& visit);
   const std::vector<ObjectModel>& models() const;
+  const DetectOptions& options() const;
 
  private:
   struct Impl;

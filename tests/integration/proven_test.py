@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """What is proven, as a user sees it: proofs that are written, checked and refused; one search over ranks that are
-killed and stopped; parts of the image and of the workspace."""
+killed and stopped, also behind the daemon; parts of the image and of the workspace."""
 import ctypes
 import ctypes.util
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
@@ -180,18 +182,85 @@ def ranks(model):
     run("mpirun", "--oversubscribe", "-n", 2, RANKS, "detect", model, "--dataset", SAMPLE, "--proof", "x", expect=2)
 
 
+def poses_over_dds(config, command, env, domain, want, during=None):
+    """Runs a daemon until so many frames have arrived; what it said of each image, and its log."""
+    echo = subprocess.Popen([SEXTANT, "echo", "--domain", str(domain), "--count", str(want), "--timeout-s", "120", "--json",
+                             "--require"], stdout=subprocess.PIPE, text=True, env=env)
+    log = config.with_suffix(".log")
+    with log.open("w") as out:
+        daemon = subprocess.Popen([str(c) for c in command], stderr=out, env=env)
+    try:
+        if during:
+            during(daemon, log)
+        text = echo.communicate(timeout=150)[0]
+        check(echo.returncode == 0, f"{command[0]}: {want} frames arrive; the log ends: {log.read_text()[-1500:]}")
+    finally:
+        daemon.terminate()
+        check(daemon.wait(timeout=20) is not None, f"{command[0]} ends")
+    frames = {}
+    for line in text.splitlines():
+        message = json.loads(line)
+        answer = message["estimates"], message["objects"]
+        image = message["frame_number"] % 4  # of the sample's four, which are played in a loop
+        check(frames.setdefault(image, answer) == answer, f"one image, two answers: {frames[image]} and {answer}")
+    return frames, log.read_text()
+
+
+def children(pid):
+    return [int(p) for p in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def serve(folder, model):
+    """The daemon over ranks publishes what the daemon alone does; also when a rank is killed, and after a reload."""
+    if not shutil.which("mpirun") or not RANKS.exists():
+        print("no mpirun or no sextant-mpi: the MPI part is skipped")
+        return
+    domain = 30 + os.getpid() % 150
+    env = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+           "CYCLONEDDS_URI": f"file://{SOURCE}/config/cyclonedds.xml"}
+    config = folder / "serve.yaml"
+    config.write_text(f"""source: {{kind: playback, dataset: "{SAMPLE}", loop: true, rate_hz: 4}}
+models: {{files: ["{model}"]}}
+detect: {{angle_tolerance_deg: 4, threads: 1}}
+publish: {{domain: {domain}}}
+""")
+    alone, _ = poses_over_dds(config, [BIN / "sextantd", "--config", config], env, domain, 8)
+    check(len(alone) == 4 and any(poses for poses, _ in alone.values()), f"the daemon alone finds the box: {alone}")
+    mpirun = ["mpirun", "--oversubscribe", "--enable-recovery", "-n", 3, RANKS, "serve", "--config", config]
+    together, log = poses_over_dds(config, mpirun, env, domain, 8)
+    check(together == alone, f"three ranks publish something else: {together} instead of {alone}")
+
+    def kill_one(daemon, log):
+        for _ in range(600):
+            if "publishing on DDS domain" in log.read_text():
+                break
+            time.sleep(0.1)
+        time.sleep(1)
+        os.kill(max(children(daemon.pid)), signal.SIGKILL)
+
+    survived, log = poses_over_dds(config, mpirun, env, domain, 16, kill_one)
+    check(survived == alone, f"a killed rank changes what is published: {survived}")
+    check("died" in log, f"a killed rank is noticed: {log[-1500:]}")
+    done = run("mpirun", "--oversubscribe", "-n", 2, RANKS, "serve", "--config", folder / "none.yaml", expect=3)
+    check("none.yaml" in done.stderr, "a missing configuration is named")
+    run(RANKS, "serve", expect=2)
+    check("good" in run(RANKS, "serve", "--config", config, "--check-config").stdout, "a configuration can be checked")
+
+
 with tempfile.TemporaryDirectory() as name:
     box = Path(sys.argv[3]) if len(sys.argv) > 3 else Path(name) / "box.sxm"
     if not box.exists():
         (Path(name) / "learning.yaml").write_text(PARAMETERS)
         run(SEXTANT, "compile", SOURCE / "data/meshes/printed_box.obj", "--units", "mm", "--up", "z", "--object-id", 1,
             "--params", Path(name) / "learning.yaml", "-o", box)
-    parts = sys.argv[4].split(",") if len(sys.argv) > 4 else ["proofs", "regions", "ranks"]
+    parts = sys.argv[4].split(",") if len(sys.argv) > 4 else ["proofs", "regions", "ranks", "serve"]
     if "proofs" in parts:
         proofs(Path(name), box)
     if "regions" in parts:
         regions(box)
     if "ranks" in parts:
         ranks(box)
+    if "serve" in parts:
+        serve(Path(name), box)
 print(f"{'failed' if failures else 'passed'}: {len(failures)} failures")
 sys.exit(1 if failures else 0)

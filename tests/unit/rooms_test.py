@@ -29,6 +29,7 @@ def read_table(text):
     """{"kind": {kinds it may use}} of SextantRooms.cmake."""
     table = {}
     for kind, rest in re.findall(r"^set\(SEXTANT_MAY_USE_(\w+)\s*([^)]*)\)", text, re.M):
+        rest = re.sub(r"\$\{SEXTANT_MAY_USE_(\w+)\}", lambda other: " ".join(table[other[1]]), rest)
         table[kind] = set(rest.replace('"', "").split())
     return table
 
@@ -38,6 +39,8 @@ def kind_of(path):
     parts = path.split("/")
     if parts[0] == "runtime":
         return parts[1] if len(parts) > 2 else None
+    if parts[:2] == ["offline", "mpi"]:
+        return "mpi"
     return parts[0] if parts[0] in TOPS else None
 
 
@@ -83,12 +86,14 @@ def check_myself(table):
         "runtime/frame/a.cpp": ["#  include <opencv2/highgui.hpp>", '#include "rgbd_frame.h"'],
         "hal/playback/a.cpp": ['#include "runtime/search/x.h"', "#include <EGL/egl.h>", "#include <epoxy/gl.h>"],
         "runtime/publish/a.cpp": ['#include "runtime/daemon/x.h"', '#include "runtime/refine/missing.h"'],
+        "offline/mesh/a.cpp": ['#include "runtime/daemon/x.h"'],
         "runtime/unheard_of/a.cpp": ['#include "runtime/refine/x.h"'],
     }
     good = {
         "runtime/publish/b.cpp": ["#include <dds/dds.h>", '#include "runtime/refine/x.h"', '#include "idl/dds/y.h"'],
         "runtime/refine/x.h": ["#include <vector>", '#include "runtime/base/x.h"', '// #include "offline/x/y.h"'],
         "runtime/base/x.h": [], "runtime/search/x.h": [], "runtime/daemon/x.h": [], "offline/mesh/x.h": [],
+        "offline/mpi/b.cpp": ['#include "runtime/daemon/x.h"', "#include <mpi.h>", '#include "offline/mesh/x.h"'],
         "offline/render/b.cpp": ["#include <epoxy/gl.h>", '#include "offline/mesh/x.h"'],
     }
     with tempfile.TemporaryDirectory() as folder:

@@ -24,6 +24,7 @@ TEST(ResultJson, HasExactlyTheDocumentedKeys) {
   outcome.least_confidence = 0.25;
   result.objects = {outcome};
   PoseEstimate estimate;
+  estimate.object_name = "mug";
   estimate.object_id = 8;
   estimate.score = 0.75;
   estimate.evidence_share = 0.5;
@@ -56,9 +57,9 @@ TEST(ResultJson, HasExactlyTheDocumentedKeys) {
   const nlohmann::json expected = nlohmann::json::parse(R"({
     "scene_id": 1, "im_id": 2,
     "seconds": {"features": 0.1, "tables": 0.2, "search": 0.3, "refine": 0.4, "total": 1.0}, "nodes": 345,
-    "objects": [{"obj_id": 7, "status": "absent", "upper_bound": null, "coverage": 0.5, "doubtful": 2,
+    "objects": [{"obj_id": 7, "name": "", "status": "absent", "upper_bound": null, "coverage": 0.5, "doubtful": 2,
       "least_confidence": 0.25}],
-    "detections": [{"obj_id": 8, "score": 0.75, "evidence_share": 0.5, "log_score": -3.0, "upper_bound": -2.0, "gap": 1.0,
+    "detections": [{"obj_id": 8, "name": "mug", "score": 0.75, "evidence_share": 0.5, "log_score": -3.0, "upper_bound": -2.0, "gap": 1.0,
       "runner_up_margin": 12.5, "runner_up_exact": true,
       "status": "bounded", "camera_from_object": [[0,-1,0,5],[1,0,0,6],[0,0,1,7],[0,0,0,1]],
       "covariance": [[1,0,0,0,0,0],[0,2,0,0,0,0],[0,0,3,0,0,0],[0,0,0,4,0,0],[0,0,0,0,5,0],[0,0,0,0,0,6]],

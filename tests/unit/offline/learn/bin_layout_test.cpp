@@ -68,6 +68,30 @@ TEST(BinLayout, SymmetryShortensTheTurntable) {
   EXPECT_THROW(lay_out_bins(narrow(), 45), UsageError);
 }
 
+TEST(BinLayout, AllOrientationsAreAll) {
+  for (const int width : {20, 16, 45}) {
+    LearnParameters p = narrow();
+    p.all_orientations = 1;
+    p.bin_width_deg = width;
+    const auto boxes = lay_out_bins(p, 0);
+    for (int rx = -180; rx < 180; ++rx) {
+      for (int ry = -90; ry <= 90; ++ry) {
+        const auto count =
+            std::count_if(boxes.begin(), boxes.end(), [&](const RotationBox& b) { return holds(b, rx, ry); });
+        ASSERT_EQ(count, 1) << width << " deg: " << rx << " " << ry;
+      }
+    }
+    for (const RotationBox& b : boxes) {
+      EXPECT_GE(b.lo_deg[0], -180);
+      EXPECT_LE(b.hi_deg[0], 180);
+      EXPECT_LE(b.hi_deg[1], 91);
+    }
+  }
+  LearnParameters p = narrow();
+  p.all_orientations = 1;
+  EXPECT_EQ(lay_out_bins(p, 360).size(), 19U * 9 * 18);
+}
+
 TEST(BinLayout, OneBinIsCentredOnUpright) {
   const auto boxes = lay_out_bins(narrow(), 0);
   EXPECT_TRUE(
