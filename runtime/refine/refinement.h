@@ -10,8 +10,8 @@ struct Refinement {
   /// The optimum lies outside of the neighbourhood of the certified lattice pose (Refiner::kMaxShiftM,
   /// kMaxTurnRad): the lattice pose is kept, and this says so.
   bool left_neighbourhood = false;
-  /// The lattice optimum is turned another way about the vertical: this pose scores less (by the gap), but the
-  /// rigid model explains the picture better.
+  /// The lattice optimum is turned another way about the vertical: this pose scores less (by the gap), but
+  /// the rigid model explains the picture better.
   bool other_turn = false;
   double shift_m = 0;   ///< of the object's centre from the lattice pose to the continuous optimum
   double turn_rad = 0;  ///< angle between both orientations

@@ -150,7 +150,7 @@ TEST(Qos, ReliableReadersGetEverythingBeforeTheWaitEnds) {
   const RawReader raw(domain.reading, vision_msgs_msg_dds__Detection3DArray__desc,
                       "rt/" + domain.name_space + "/detections", reliable.get());
   ASSERT_TRUE(publisher.wait_for_reader(std::chrono::seconds(20)));
-  ASSERT_TRUE(eventually([&] { return raw.matched() == 1; }));
+  ASSERT_TRUE(eventually([&] { return raw.matched() == 1 && publisher.matched_readers() > 0; }));
   EXPECT_EQ(publisher.matched_readers(), 1);  // the topics that are off have no writer
   for (unsigned i = 0; i < 5; ++i) publisher.publish(random_result(i, 20));
   EXPECT_TRUE(publisher.wait_for_acknowledgements(std::chrono::seconds(20)));

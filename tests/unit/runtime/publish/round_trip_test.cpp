@@ -315,7 +315,9 @@ TEST(RoundTrip, TopicsThatAreOffDoNotExistAndAbsoluteOnesHaveNoNamespace) {
   Listener namespaced(domain, "tf");
   EchoReader absolute({domain.reading, domain.name_space + "_elsewhere/tf", TopicKind::kTf},
                       [](const EchoMessage&) {});
-  ASSERT_TRUE(namespaced.wait_for([&] { return absolute.matched_writers() == 1; }));
+  // Each side hears of the other in its own time.
+  ASSERT_TRUE(namespaced.wait_for(
+      [&] { return absolute.matched_writers() == 1 && publisher.matched_readers() == 1; }));
   EXPECT_EQ(namespaced.reader.matched_writers(), 0);
   publisher.publish(random_result(1, 1));
   publisher.publish_annotated(random_result(1, 1), cv::Mat(2, 2, CV_8UC3, cv::Scalar()));
