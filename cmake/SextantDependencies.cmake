@@ -8,6 +8,10 @@ find_program(FLATC flatc REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
+# Vectors whose length the compiler does not know (arm64's SVE, RISC-V's) cannot lie in arrays, as the kernels' do:
+# such CPUs run the fixed ones (NEON).
+target_compile_definitions(PkgConfig::HWY INTERFACE
+  "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)")
 
 # OpenCV's CMake configuration comes only with all of OpenCV (libopencv-dev); core and imgproc are all we use.
 find_path(OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
