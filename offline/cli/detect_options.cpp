@@ -53,6 +53,12 @@ void DetectArguments::add_to(CLI::App& command) {
   command.add_option("--max-detections", detect.max_detections, "per object and image")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
+  command
+      .add_option("--candidates", detect.candidates,
+                  "places searched and refined per object, of which the most certain are reported: 2 or 3 "
+                  "find more and take two or three times as long")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
   command.add_option("--threshold", threshold,
                      "log score that a detection must reach (default: 10 % of the evidence)");
   command.add_option("--deadline-ms", detect.deadline_ms, "time for the search of one image, 0: none")
@@ -117,6 +123,9 @@ void DetectArguments::add_to(CLI::App& command) {
 DetectOptions DetectArguments::options() const {
   if (dataset.empty() && colour.empty()) {
     throw UsageError("nothing to look at", "give --dataset DIR, or --color F --depth F --camera FILE.yaml");
+  }
+  if (!proof.empty() && detect.candidates > detect.max_detections) {
+    throw UsageError("--proof proves what the score says is best", "leave out --candidates");
   }
   DetectOptions out = detect;
   out.threshold = threshold;

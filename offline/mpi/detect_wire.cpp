@@ -63,7 +63,7 @@ void append_options(Bytes& bytes, const DetectOptions& o) {
   const Eigen::Vector3d& up = o.fixed_table.up_in_camera;
   n.fixed_table = {up.x(), up.y(), up.z(), o.fixed_table.camera_height_m};
   n.tolerance = o.tolerance;
-  n.max_detections = o.max_detections;
+  n.max_detections = searched_detections(o);
   n.search_width = o.search_width;
   n.min_distance_m = o.min_distance_m;
   n.max_distance_m = o.max_distance_m;

@@ -129,6 +129,7 @@ DetectOptions detect_options(const DaemonConfig& config) {
       d.table_pitch_deg * kRadiansPerDegree, d.table_roll_deg * kRadiansPerDegree, d.table_height_m);
   options.tolerance = {d.height_tolerance_m, d.angle_tolerance_deg * kRadiansPerDegree};
   options.max_detections = d.max_detections;
+  options.candidates = d.candidates;
   options.threshold = d.threshold;
   options.refine = d.refine;
   options.false_positive_rate = d.false_positive_rate;

@@ -159,6 +159,15 @@ std::vector<ConfigField> config_fields(DaemonConfig& c) {
        .highest = 100,
        .reloads = true},
       {.section = "detect",
+       .key = "candidates",
+       .target = &c.detect.candidates,
+       .text = "Places that are searched and refined for each object; the most certain max_detections of "
+               "them are "
+               "published. 2 or 3 find more and take two or three times as long.",
+       .lowest = 1,
+       .highest = 100,
+       .reloads = true},
+      {.section = "detect",
        .key = "threshold",
        .target = &c.detect.threshold,
        .text = "Log score that a pose must reach; auto: what the detector takes for each model.",

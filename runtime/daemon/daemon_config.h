@@ -48,6 +48,7 @@ struct DaemonConfig {
     double height_tolerance_m = TableTolerance().height_m;
     double angle_tolerance_deg = 12;
     int max_detections = DetectOptions().max_detections;
+    int candidates = DetectOptions().candidates;
     std::optional<double> threshold = DetectOptions().threshold;
     bool refine = DetectOptions().refine;
     double false_positive_rate = DetectOptions().false_positive_rate;

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "runtime/base/error.h"
+#include "runtime/detect/most_certain.h"
 #include "runtime/detect/resting_poses.h"
 #include "runtime/features/edges.h"
 #include "runtime/frame/search_frame.h"
@@ -63,6 +64,7 @@ struct SearchedObject {
 
 void check(const DetectOptions& o) {
   if (o.max_detections < 1 || o.max_detections > 100) throw UsageError("max detections must be 1..100");
+  if (o.candidates < 1 || o.candidates > 100) throw UsageError("candidates must be 1..100");
   if (o.threads < 0 || o.threads > 256) throw UsageError("threads must be 0..256 (0: all cores)");
   if (!(o.deadline_ms >= 0)) throw UsageError("the deadline must be >= 0 ms (0: none)");
   if (!(o.min_distance_m > 0.05) || !(o.max_distance_m > o.min_distance_m) || o.max_distance_m > 60) {
@@ -246,8 +248,11 @@ struct Detector::Impl {
         refine(seen, frame, result.estimates[i]);
         try_other_turns(seen, frame, lattice_poses[i], result.estimates[i]);
       }
+      report_most_certain(result);
       leave_out_doubtful(result);
       result.seconds.refine = seconds_since(refine_start);
+    } else {
+      report_most_certain(result);
     }
     result.seconds.total = seconds_since(start);
     return result;
@@ -281,7 +286,7 @@ struct Detector::Impl {
         of_id.push_back(k);
         answers.push_back({e.model_index, f.score, box_of(bin, f.constraint->camera().focal, f.pose)});
       }
-      for (const RestingChoice& choice : one_per_place(answers, bounds, options.max_detections)) {
+      for (const RestingChoice& choice : one_per_place(answers, bounds, searched_detections(options))) {
         const std::size_t k = of_id[choice.answer];
         PoseEstimate e = result.estimates[k];
         e.upper_bound = choice.upper_bound;
@@ -345,6 +350,15 @@ struct Detector::Impl {
       // Where the shape is the same either way, the print and the outline tell.
       if (better > kClearlyBetter || (better == 0 && turned.score > estimate.score)) estimate = turned;
     }
+  }
+
+  void report_most_certain(FrameResult& result) const {
+    if (options.candidates <= options.max_detections) return;
+    std::vector<PoseEstimate> kept;
+    for (const std::size_t i : keep_most_certain(result.estimates, options.max_detections)) {
+      kept.push_back(std::move(result.estimates[i]));
+    }
+    result.estimates = std::move(kept);
   }
 
   /// Leaves out what is less certain than the wanted false-positive rate allows.
@@ -430,7 +444,7 @@ struct Detector::Impl {
     LaneSearchProblem problem{tables, lane_tables, {}, expiry(call, start, 1)};
     for (const SearchedModel& s : searched) {
       problem.targets.push_back({objects[s.index].bins, objects[s.index].lane_bins, *s.constraint,
-                                 models[s.index].bounding_radius_m, options.max_detections, s.threshold,
+                                 models[s.index].bounding_radius_m, searched_detections(options), s.threshold,
                                  runner_up(s.index), seeds(s)});
     }
     return call.search ? call.search(problem) : lane_search.run(problem, pool);
@@ -442,7 +456,7 @@ struct Detector::Impl {
     std::vector<SearchOutcome> outcomes;
     for (const SearchedModel& s : searched) {
       SearchOptions search_options;
-      search_options.max_detections = options.max_detections;
+      search_options.max_detections = searched_detections(options);
       search_options.threshold = s.threshold;
       search_options.expired =
           expiry(call, start, 1 / static_cast<double>(searched.size() - outcomes.size()));

@@ -3,6 +3,7 @@
 // `sextantd` both run exactly this.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <map>
@@ -34,7 +35,10 @@ struct DetectOptions {
   TableSource table = TableSource::kFrame;
   TableGeometry fixed_table;
   TableTolerance tolerance;
-  int max_detections = 1;              ///< per object, 1..100
+  int max_detections = 1;  ///< per object, 1..100
+  /// Places searched and refined per object, of which the most certain max_detections are reported; fewer
+  /// than those: max_detections. 1..100
+  int candidates = 1;
   std::optional<double> threshold;     ///< log score that a detection must reach; empty: 10 % of the evidence
   double deadline_ms = 0;              ///< for the search of one frame; 0 = none
   int threads = 0;                     ///< of the search; 0 = all cores
@@ -55,6 +59,9 @@ struct DetectOptions {
   /// Margins of interest: a larger one is only proven to be at least this. Infinite: all are proven exactly.
   double runner_up_most = 5;
 };
+
+/// How many poses of each object the search proves.
+inline int searched_detections(const DetectOptions& o) { return std::max(o.max_detections, o.candidates); }
 
 /// What the search of one frame read and what it said, for whoever checks it. Valid during the call only.
 struct SearchRecord {
