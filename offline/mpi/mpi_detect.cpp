@@ -2,7 +2,6 @@
 #include "offline/mpi/mpi_detect.h"
 
 #include <mpi.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <memory>
@@ -43,16 +42,11 @@ ExitCode run(const MpiDetectArguments& a) {
   if (!a.detect.proof.empty()) throw UsageError("--proof is for sextant detect");
   std::vector<ObjectModel> models;
   for (const auto& file : a.detect.models) models.push_back(read_model(file));
-  // Ended below and not by an exception: then main() aborts the job, where ending would wait for all ranks.
   auto* job = new MpiJob;
   // A rank that dies is the coordinator's business, not the end (with mpirun --enable-recovery).
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
   if (job->rank != 0) {
-    const bool together = work_for_coordinator(job->rank, fault);
-    std::fflush(nullptr);
-    if (!together) _exit(0);
-    delete job;
-    return ExitCode::kDone;
+    return leave_job(job, work_for_coordinator(job->rank, fault), false, ExitCode::kDone);
   }
   SearchCoordinator coordinator(job->ranks, a.coordinator);
   const Detector detector(std::move(models), options);
@@ -62,13 +56,7 @@ ExitCode run(const MpiDetectArguments& a) {
     call.search = [&](const LaneSearchProblem& problem) { return coordinator.run(problem); };
   });
   coordinator.end();
-  std::fflush(nullptr);
-  if (coordinator.lost() == 0) {
-    delete job;
-    return code;
-  }
-  if (coordinator.lost_elsewhere()) MPI_Abort(MPI_COMM_WORLD, static_cast<int>(code));
-  _exit(static_cast<int>(code));
+  return leave_job(job, coordinator.lost() == 0, coordinator.lost_elsewhere(), code);
 }
 
 }  // namespace

@@ -3,6 +3,11 @@
 #pragma once
 
 #include <mpi.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "runtime/base/error.h"
 
 namespace sextant {
 
@@ -21,5 +26,18 @@ struct MpiJob {
   MpiJob(const MpiJob&) = delete;
   MpiJob& operator=(const MpiJob&) = delete;
 };
+
+/// How a rank of a job that survives lost ranks ends. `job` is made with new and never by an exception's way
+/// out: main() then aborts the job, where ending would wait for all ranks. together: no rank is lost.
+/// elsewhere: one of another machine is, which only MPI_Abort gets rid of.
+inline ExitCode leave_job(MpiJob* job, bool together, bool elsewhere, ExitCode code) {
+  std::fflush(nullptr);
+  if (together) {
+    delete job;
+    return code;
+  }
+  if (elsewhere) MPI_Abort(MPI_COMM_WORLD, static_cast<int>(code));
+  _exit(static_cast<int>(code));
+}
 
 }  // namespace sextant

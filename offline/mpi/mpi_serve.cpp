@@ -4,7 +4,6 @@
 #include <mpi.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <condition_variable>
 #include <cstdio>
@@ -92,16 +91,11 @@ ExitCode run(const MpiServeArguments& a) {
   // A bad configuration is one clear line, before MPI starts. Other ranks need not have it.
   const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
   if (rank == nullptr || std::string_view(rank) == "0") read_config(a.serve.config);
-  // Ended below and not by an exception: then main() aborts the job, where ending would wait for all ranks.
   auto* job = new MpiJob;
   // A rank that dies is the coordinator's business, not the end (with mpirun --enable-recovery).
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
   if (job->rank != 0) {
-    const bool together = work_for_coordinator(job->rank, {});
-    std::fflush(nullptr);
-    if (!together) _exit(0);
-    delete job;
-    return ExitCode::kDone;
+    return leave_job(job, work_for_coordinator(job->rank, {}), false, ExitCode::kDone);
   }
   std::size_t lost = 0;
   bool elsewhere = false;
@@ -114,13 +108,7 @@ ExitCode run(const MpiServeArguments& a) {
     lost = others.lost();
     elsewhere = others.lost_elsewhere();
   }
-  std::fflush(nullptr);
-  if (lost == 0) {
-    delete job;
-    return ExitCode::kDone;
-  }
-  if (elsewhere) MPI_Abort(MPI_COMM_WORLD, static_cast<int>(ExitCode::kDone));
-  _exit(static_cast<int>(ExitCode::kDone));
+  return leave_job(job, lost == 0, elsewhere, ExitCode::kDone);
 }
 
 }  // namespace
