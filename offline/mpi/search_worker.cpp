@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "offline/mpi/detect_wire.h"
 #include "offline/mpi/frame_wire.h"
@@ -190,7 +191,7 @@ bool work_for_coordinator(int rank, const InjectedFault& fault) {
         break;
       case SearchTag::kModel:
         read.push_back(decode_model({m.bytes.data(), m.bytes.size()}, "the coordinator's model"));
-        if (read.size() == models) detector = std::make_unique<Detector>(std::move(read), options);
+        if (read.size() == models) detector = std::make_unique<Detector>(std::exchange(read, {}), options);
         break;
       case SearchTag::kFrame: {
         if (!detector) break;

@@ -37,7 +37,7 @@ class Constraint {
       : camera_(camera),
         min_distance_m_(min_distance_m),
         max_distance_m_(max_distance_m),
-        table_(table),
+        table_(std::move(table)),
         region_(std::move(region)) {}
 
   /// All lattice poses of a bin before the table constraint and the workspace; may be empty().
