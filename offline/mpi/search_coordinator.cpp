@@ -84,9 +84,8 @@ void SearchCoordinator::close_frame() {
 }
 
 void SearchCoordinator::keep_alive() {
-  if (frame_open_) return;
-  handle_messages();
-  look_for_lost();
+  // With a frame open its share of the roots is dealt already: who died is found by run().
+  if (!frame_open_) look_for_lost(true);
   for (const Worker& w : workers_) {
     if (!w.lost) mail_.send(w.rank, SearchTag::kAlive, {});
   }
@@ -94,7 +93,7 @@ void SearchCoordinator::keep_alive() {
 
 void SearchCoordinator::send_frame(const RgbdFrame& frame, const DetectCall& call,
                                    const std::vector<ObjectModel>& models) {
-  look_for_lost();
+  look_for_lost(true);
   close_frame();
   frame_open_ = true;
   ++stamp_.frame;
@@ -221,7 +220,7 @@ void SearchCoordinator::handle(const ReceivedMessage& m) {
   }
 }
 
-void SearchCoordinator::look_for_lost() {
+void SearchCoordinator::look_for_lost(bool waiting) {
   const double now = MPI_Wtime();
   if (now - last_look_ < kLookInterval) return;
   last_look_ = now;
@@ -229,7 +228,7 @@ void SearchCoordinator::look_for_lost() {
     if (w.lost) continue;
     if (w.here && kill(static_cast<pid_t>(w.process), 0) != 0 && errno == ESRCH) {
       lose(w, "died");
-    } else if (now - w.last_heard > options_.lost_after_s) {
+    } else if (!waiting && now - w.last_heard > options_.lost_after_s) {
       // It must not come back with an old mind, and the job must be able to end.
       if (w.here) kill(static_cast<pid_t>(w.process), SIGKILL);
       lose(w, "is silent");

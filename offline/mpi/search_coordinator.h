@@ -63,7 +63,8 @@ class SearchCoordinator {
   void close_frame();
   bool handle_messages();
   void handle(const ReceivedMessage& m);
-  void look_for_lost();
+  /// waiting: for the next frame; then nobody speaks, and silence means nothing.
+  void look_for_lost(bool waiting = false);
   void lose(Worker& w, const char* why);
   void broadcast_bests();
   void delegate();

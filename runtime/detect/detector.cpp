@@ -85,6 +85,12 @@ void check(const DetectOptions& o) {
   }
 }
 
+/// Resting poses of one object: the same mesh and the same id. The id alone is not enough: it is 1 where
+/// nobody gave one.
+bool is_same_object(const ObjectModel& a, const ObjectModel& b) {
+  return a.object_id == b.object_id && a.provenance.mesh_hash == b.provenance.mesh_hash;
+}
+
 /// Pixel box of the object's outline in the source image: x, y, width, height.
 std::array<double, 4> outline_box(const ObjectModel& model, const CameraModel& camera,
                                   const RigidTransform& camera_from_object) {
@@ -111,6 +117,7 @@ struct Detector::Impl {
   std::vector<ObjectModel> models;
   DetectOptions options;
   std::vector<SearchedObject> objects;
+  std::vector<std::size_t> object_of;    ///< per model: the first model of the same object
   std::vector<Refiner> refiners;         ///< one per model
   std::vector<FoundPose> lattice_poses;  ///< of the estimates of the frame at hand
   WorkerPool pool;
@@ -136,6 +143,9 @@ struct Detector::Impl {
       object.prepare_for(object.threshold);
       objects.push_back(std::move(object));
       refiners.emplace_back(model);
+      const auto same = std::find_if(models.begin(), models.end(),
+                                     [&](const ObjectModel& other) { return is_same_object(other, model); });
+      object_of.push_back(static_cast<std::size_t>(same - models.begin()));
     }
   }
 
@@ -258,36 +268,36 @@ struct Detector::Impl {
     return result;
   }
 
-  /// Models with the same object id are one object in several resting poses: one answer for each place.
+  /// Models of the same object are its resting poses: one answer for each place.
   void merge_resting_poses(FrameResult& result) {
-    std::map<int, std::vector<RestingBound>> objects_of_id;
+    std::map<std::size_t, std::vector<RestingBound>> bounds_of;  // by object
     for (const ObjectOutcome& o : result.objects) {
-      objects_of_id[o.object_id].push_back({o.model_index, o.upper_bound});
+      bounds_of[object_of[o.model_index]].push_back({o.model_index, o.upper_bound});
     }
     std::vector<PoseEstimate> estimates;
     std::vector<FoundPose> found;
-    std::set<int> merged;
+    std::set<std::size_t> merged;
     for (std::size_t i = 0; i < result.estimates.size(); ++i) {
-      const int id = result.estimates[i].object_id;
-      const std::vector<RestingBound>& bounds = objects_of_id[id];
+      const std::size_t object = object_of[result.estimates[i].model_index];
+      const std::vector<RestingBound>& bounds = bounds_of[object];
       if (bounds.size() < 2) {
         estimates.push_back(result.estimates[i]);
         found.push_back(lattice_poses[i]);
         continue;
       }
-      if (!merged.insert(id).second) continue;
-      std::vector<std::size_t> of_id;
+      if (!merged.insert(object).second) continue;
+      std::vector<std::size_t> of_object;
       std::vector<RestingAnswer> answers;
       for (std::size_t k = i; k < result.estimates.size(); ++k) {
         const PoseEstimate& e = result.estimates[k];
-        if (e.object_id != id) continue;
+        if (object_of[e.model_index] != object) continue;
         const FoundPose& f = lattice_poses[k];
         const ScoredBin& bin = objects[e.model_index].bins[static_cast<std::size_t>(f.pose.bin)];
-        of_id.push_back(k);
+        of_object.push_back(k);
         answers.push_back({e.model_index, f.score, box_of(bin, f.constraint->camera().focal, f.pose)});
       }
       for (const RestingChoice& choice : one_per_place(answers, bounds, searched_detections(options))) {
-        const std::size_t k = of_id[choice.answer];
+        const std::size_t k = of_object[choice.answer];
         PoseEstimate e = result.estimates[k];
         e.upper_bound = choice.upper_bound;
         e.gap = std::max(0.0, e.upper_bound - e.log_score);
@@ -355,7 +365,7 @@ struct Detector::Impl {
   void report_most_certain(FrameResult& result) const {
     if (options.candidates <= options.max_detections) return;
     std::vector<PoseEstimate> kept;
-    for (const std::size_t i : keep_most_certain(result.estimates, options.max_detections)) {
+    for (const std::size_t i : keep_most_certain(result.estimates, object_of, options.max_detections)) {
       kept.push_back(std::move(result.estimates[i]));
     }
     result.estimates = std::move(kept);

@@ -21,11 +21,14 @@ void speak_of(double dropped, PoseEstimate& e) {
 
 }  // namespace
 
-std::vector<std::size_t> keep_most_certain(std::vector<PoseEstimate>& estimates, int most) {
-  std::map<int, std::vector<std::size_t>> by_object;
-  for (std::size_t i = 0; i < estimates.size(); ++i) by_object[estimates[i].object_id].push_back(i);
+std::vector<std::size_t> keep_most_certain(std::vector<PoseEstimate>& estimates,
+                                           const std::vector<std::size_t>& object_of, int most) {
+  std::map<std::size_t, std::vector<std::size_t>> by_object;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    by_object[object_of.at(estimates[i].model_index)].push_back(i);
+  }
   std::vector<std::size_t> kept;
-  for (auto& [id, of_object] : by_object) {
+  for (auto& [object, of_object] : by_object) {
     std::stable_sort(of_object.begin(), of_object.end(),
                      [&](std::size_t a, std::size_t b) { return estimates[a].score > estimates[b].score; });
     const std::size_t count = std::min(of_object.size(), static_cast<std::size_t>(most));

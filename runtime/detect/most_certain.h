@@ -11,8 +11,10 @@
 
 namespace sextant {
 
-/// Indices of the estimates that remain, in their order: at most `most` for each object id. Their bounds,
-/// gaps, margins and statuses in `estimates` then speak of the dropped ones, too.
-std::vector<std::size_t> keep_most_certain(std::vector<PoseEstimate>& estimates, int most);
+/// Indices of the estimates that remain, in their order: at most `most` for each object. object_of: by
+/// PoseEstimate::model_index. Bounds, gaps, margins and statuses in `estimates` then speak of the dropped
+/// ones, too.
+std::vector<std::size_t> keep_most_certain(std::vector<PoseEstimate>& estimates,
+                                           const std::vector<std::size_t>& object_of, int most);
 
 }  // namespace sextant

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// One object that may lie in several ways: a model for each resting pose, all with the same object id. They
-// are searched as objects of their own; what is reported is one answer for each place (non-maximum
-// suppression over all of them, Davies 2015, Proc. 34), with a certificate that holds for all of them
-// together.
+// One object that may lie in several ways: a model for each resting pose, of the same mesh and with the same
+// object id. They are searched as objects of their own; what is reported is one answer for each place
+// (non-maximum suppression over all of them, Davies 2015, Proc. 34), with a certificate that holds for all of
+// them together.
 #pragma once
 
 #include <cstddef>
