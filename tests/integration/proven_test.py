@@ -247,6 +247,10 @@ publish: {{domain: {domain}}}
     survived, log = poses_over_dds(config, mpirun, env, domain, 16, kill_one)
     check(same(survived), f"a killed rank changes what is published: {survived}")
     check("died" in log, f"a killed rank is noticed: {log[-1500:]}")
+    # Frames farther apart than the silence that a searching rank may keep: those that wait are not lost.
+    config.write_text(config.read_text().replace("rate_hz: 4", "rate_hz: 0.15"))
+    _, log = poses_over_dds(config, [*mpirun, "--lost-after-s", 5], env, domain, 2)
+    check("silent" not in log and "died" not in log, f"ranks that wait for a frame are lost: {log[-1500:]}")
     done = run("mpirun", "--oversubscribe", "-n", 2, RANKS, "serve", "--config", folder / "none.yaml", expect=3)
     check("none.yaml" in done.stderr, "a missing configuration is named")
     run(RANKS, "serve", expect=2)
