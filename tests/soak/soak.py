@@ -17,7 +17,7 @@ import tempfile
 import time
 from pathlib import Path
 
-BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
+BIN, SOURCE = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 SECONDS = float(sys.argv[3]) if len(sys.argv) > 3 else 900.0
 MODEL = Path(sys.argv[4]).resolve() if len(sys.argv) > 4 else None
 RATE_HZ, MAX_AGE_MS = 30, 500
