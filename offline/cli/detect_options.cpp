@@ -54,9 +54,10 @@ void DetectArguments::add_to(CLI::App& command) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command
-      .add_option("--candidates", detect.candidates,
-                  "places searched and refined per object, of which the most certain are reported: 2 or 3 "
-                  "find more and take two or three times as long")
+      .add_option(
+          "--candidates", detect.candidates,
+          "most places searched and refined per object: while what is found is more likely wrong than "
+          "right, the next best place is looked at; the most certain are reported. 1: only the best")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command.add_option("--threshold", threshold,
@@ -124,10 +125,8 @@ DetectOptions DetectArguments::options() const {
   if (dataset.empty() && colour.empty()) {
     throw UsageError("nothing to look at", "give --dataset DIR, or --color F --depth F --camera FILE.yaml");
   }
-  if (!proof.empty() && detect.candidates > detect.max_detections) {
-    throw UsageError("--proof proves what the score says is best", "leave out --candidates");
-  }
   DetectOptions out = detect;
+  if (!proof.empty()) out.candidates = 1;  // what is proven is what the score says is best
   out.threshold = threshold;
   out.region = region_from_text(region, workspace, camera_pose);
   out.tolerance.angle_rad = angle_tolerance_deg * kDegree;

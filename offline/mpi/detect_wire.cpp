@@ -63,7 +63,7 @@ void append_options(Bytes& bytes, const DetectOptions& o) {
   const Eigen::Vector3d& up = o.fixed_table.up_in_camera;
   n.fixed_table = {up.x(), up.y(), up.z(), o.fixed_table.camera_height_m};
   n.tolerance = o.tolerance;
-  n.max_detections = searched_detections(o);
+  n.max_detections = o.max_detections;
   n.search_width = o.search_width;
   n.min_distance_m = o.min_distance_m;
   n.max_distance_m = o.max_distance_m;
@@ -109,6 +109,10 @@ void append_call(Bytes& bytes, const DetectCall& call, const std::vector<ObjectM
     append(bytes, !call.wanted || call.wanted(model.name));
     const auto threshold = call.thresholds.find(model.name);
     append_maybe(bytes, threshold == call.thresholds.end() ? std::nullopt : std::optional(threshold->second));
+    const auto found = call.found_at.find(model.name);
+    const std::vector<Box2> places = found == call.found_at.end() ? std::vector<Box2>{} : found->second;
+    append(bytes, places.size());
+    for (const Box2& place : places) append(bytes, place);
   }
   append_maybe(bytes, call.image_region);
 }
@@ -119,6 +123,9 @@ DetectCall take_call(ByteReader& reader, const std::vector<ObjectModel>& models)
   for (const ObjectModel& model : models) {
     if (reader.take<bool>()) wanted.insert(model.name);
     if (const auto threshold = take_maybe<double>(reader)) call.thresholds[model.name] = *threshold;
+    for (auto places = reader.take<std::size_t>(); places > 0; --places) {
+      call.found_at[model.name].push_back(reader.take<Box2>());
+    }
   }
   call.wanted = [wanted](const std::string& name) { return wanted.count(name) > 0; };
   call.image_region = take_maybe<std::array<double, 4>>(reader);

@@ -53,7 +53,10 @@ ExitCode run(const MpiDetectArguments& a) {
   coordinator.send_setup(detector);
   const ExitCode code = run_detect(a.detect, [&](const RgbdFrame& frame, DetectCall& call) {
     coordinator.send_frame(frame, call, detector.models());
-    call.search = [&](const LaneSearchProblem& problem) { return coordinator.run(problem); };
+    call.search = [&](const LaneSearchProblem& problem, const DetectCall& asked) {
+      if (!asked.found_at.empty()) coordinator.send_frame(frame, asked, detector.models());
+      return coordinator.run(problem);
+    };
   });
   coordinator.end();
   return leave_job(job, coordinator.lost() == 0, coordinator.lost_elsewhere(), code);

@@ -52,8 +52,9 @@ class OtherRanks {
       told_ = detector;
     }
     coordinator_.send_frame(frame, call, detector->models());
-    call.search = [this](const LaneSearchProblem& problem) {
+    call.search = [this, &frame, detector](const LaneSearchProblem& problem, const DetectCall& asked) {
       const std::lock_guard held(mutex_);
+      if (!asked.found_at.empty()) coordinator_.send_frame(frame, asked, detector->models());
       return coordinator_.run(problem);
     };
   }

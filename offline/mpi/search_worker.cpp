@@ -199,7 +199,9 @@ bool work_for_coordinator(int rank, const InjectedFault& fault) {
         DetectCall call = take_call(reader, detector->models());
         const RgbdFrame frame = take_frame(reader);
         call.deadline_ms = 0;
-        call.search = [&](const LaneSearchProblem& problem) { return worker.search(problem, share); };
+        call.search = [&](const LaneSearchProblem& problem, const DetectCall&) {
+          return worker.search(problem, share);
+        };
         try {
           detector->detect(frame, call);
         } catch (const DoorError&) {

@@ -161,9 +161,10 @@ std::vector<ConfigField> config_fields(DaemonConfig& c) {
       {.section = "detect",
        .key = "candidates",
        .target = &c.detect.candidates,
-       .text = "Places that are searched and refined for each object; the most certain max_detections of "
-               "them are "
-               "published. 2 or 3 find more and take two or three times as long.",
+       .text =
+           "Most places that are searched and refined for each object: while what is found is more likely "
+           "wrong than right, the next best place is looked at, within the deadline; the most certain "
+           "max_detections are published. 1: only the best.",
        .lowest = 1,
        .highest = 100,
        .reloads = true},

@@ -4,22 +4,24 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <set>
+#include <span>
 
 #include "runtime/base/error.h"
+#include "runtime/detect/answer_refiner.h"
 #include "runtime/detect/most_certain.h"
+#include "runtime/detect/outline_box.h"
 #include "runtime/detect/resting_poses.h"
 #include "runtime/features/edges.h"
 #include "runtime/frame/search_frame.h"
 #include "runtime/frame/table_estimate.h"
 #include "runtime/geometry/pose_mapping.h"
 #include "runtime/refine/confidence.h"
-#include "runtime/refine/refiner.h"
 #include "runtime/search/branch_and_bound.h"
 #include "runtime/search/lanes/lane_search.h"
-#include "runtime/search/other_turns.h"
 #include "runtime/search/reference/thesis_search.h"
 #include "runtime/search/seeds.h"
 
@@ -32,19 +34,11 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Share of the evidence by which another turn may score less and still be tried.
-constexpr double kNearlyAsGood = 0.1;
-constexpr std::size_t kMostOtherTurns = 3;
-/// Share of the pixels in which two turns differ that another turn must explain better.
-constexpr double kClearlyBetter = 0.1;
-
-/// The lattice pose behind an estimate.
-struct FoundPose {
-  LatticePose pose;
-  double score = 0;
-  const Constraint* constraint = nullptr;
-};
-
+/// An answer that is less certain than this is more likely wrong than right: the next best place is looked
+/// at.
+constexpr double kDoubtful = 0.5;
+/// Share of the doubtful answer's evidence that the next best place must reach.
+constexpr double kWorthALook = 0.8;
 /// A model under the chosen scoring.
 struct SearchedObject {
   std::vector<ScoredBin> bins;
@@ -91,26 +85,6 @@ bool is_same_object(const ObjectModel& a, const ObjectModel& b) {
   return a.object_id == b.object_id && a.provenance.mesh_hash == b.provenance.mesh_hash;
 }
 
-/// Pixel box of the object's outline in the source image: x, y, width, height.
-std::array<double, 4> outline_box(const ObjectModel& model, const CameraModel& camera,
-                                  const RigidTransform& camera_from_object) {
-  double x0 = std::numeric_limits<double>::infinity();
-  double y0 = x0;
-  double x1 = -x0;
-  double y1 = -x0;
-  for (const Eigen::Vector3f& v : model.mesh.vertices) {
-    const Eigen::Vector3d p = camera_from_object * v.cast<double>();
-    if (p.z() <= 1e-3) continue;
-    const Eigen::Vector2d pixel = camera.distorted_pixel({p.x() / p.z(), p.y() / p.z()});
-    x0 = std::min(x0, pixel.x());
-    x1 = std::max(x1, pixel.x());
-    y0 = std::min(y0, pixel.y());
-    y1 = std::max(y1, pixel.y());
-  }
-  if (x0 > x1) return {};
-  return {x0, y0, x1 - x0, y1 - y0};
-}
-
 }  // namespace
 
 struct Detector::Impl {
@@ -118,9 +92,9 @@ struct Detector::Impl {
   DetectOptions options;
   std::vector<SearchedObject> objects;
   std::vector<std::size_t> object_of;    ///< per model: the first model of the same object
-  std::vector<Refiner> refiners;         ///< one per model
   std::vector<FoundPose> lattice_poses;  ///< of the estimates of the frame at hand
   WorkerPool pool;
+  AnswerRefiner answer_refiner;
   Rectifier rectifier;
   EdgeFinder edge_finder;
   FrameTables tables;
@@ -128,7 +102,11 @@ struct Detector::Impl {
   LaneSearch lane_search;
 
   Impl(std::vector<ObjectModel> m, DetectOptions o)
-      : models(std::move(m)), options(std::move(o)), pool(options.threads), rectifier(options.search_width) {
+      : models(std::move(m)),
+        options(std::move(o)),
+        pool(options.threads),
+        answer_refiner(models, pool),
+        rectifier(options.search_width) {
     check(options);
     if (models.empty()) throw UsageError("no model to look for", "give at least one compiled model");
     const Scoring scoring = scoring_from_name(options.scoring);
@@ -142,7 +120,6 @@ struct Detector::Impl {
       }
       object.prepare_for(object.threshold);
       objects.push_back(std::move(object));
-      refiners.emplace_back(model);
       const auto same = std::find_if(models.begin(), models.end(),
                                      [&](const ObjectModel& other) { return is_same_object(other, model); });
       object_of.push_back(static_cast<std::size_t>(same - models.begin()));
@@ -217,6 +194,13 @@ struct Detector::Impl {
     return out;
   }
 
+  /// One object that this call looks for.
+  struct SearchedModel {
+    std::size_t index;
+    double threshold;
+    const Constraint* constraint;
+  };
+
   FrameResult detect(const RgbdFrame& frame, const DetectCall& call) {
     FrameResult result;
     result.captured_at = frame.captured_at;
@@ -243,41 +227,132 @@ struct Detector::Impl {
     const auto search_start = Clock::now();
     const std::vector<SearchedModel> searched = searched_models(call, constraints);
     if (searched.empty()) return result;
-    const std::vector<SearchOutcome> outcomes =
-        lanes ? search_together(searched, call, search_start) : search_in_turn(searched, call, search_start);
+    const std::vector<SearchOutcome> outcomes = search(searched, call, search_start);
     lattice_poses.clear();
-    for (std::size_t i = 0; i < searched.size(); ++i) report(searched[i], frame, outcomes[i], result);
-    merge_resting_poses(result);
+    for (const SearchedModel& s : searched) objects[s.index].last_found.clear();
+    report_all(searched, frame, outcomes, most_found(call), result);
     result.seconds.search = seconds_since(search_start);
     if (call.searched) call.searched(record(prepared, searched, outcomes));
 
     if (options.refine) {
-      const auto refine_start = Clock::now();
       const RefineFrame seen{rectified, edges, result.table, table ? table->tolerance : options.tolerance};
-      for (std::size_t i = 0; i < result.estimates.size(); ++i) {
-        refine(seen, frame, result.estimates[i]);
-        try_other_turns(seen, frame, lattice_poses[i], result.estimates[i]);
+      const auto refine_start = Clock::now();
+      refine_from(0, seen, frame, result);
+      result.seconds.refine = seconds_since(refine_start);
+      const bool can_look_further = options.bound != "thesis";
+      for (int places = options.max_detections; can_look_further && places < options.candidates; ++places) {
+        if (!look_further(seen, frame, searched, call, places, search_start, result)) break;
       }
       report_most_certain(result);
       leave_out_doubtful(result);
-      result.seconds.refine = seconds_since(refine_start);
-    } else {
-      report_most_certain(result);
     }
     result.seconds.total = seconds_since(start);
     return result;
   }
 
-  /// Models of the same object are its resting poses: one answer for each place.
-  void merge_resting_poses(FrameResult& result) {
-    std::map<std::size_t, std::vector<RestingBound>> bounds_of;  // by object
+  /// How many poses of each object a call is about.
+  int most_found(const DetectCall& call) const { return call.found_at.empty() ? options.max_detections : 1; }
+
+  std::vector<SearchOutcome> search(const std::vector<SearchedModel>& searched, const DetectCall& call,
+                                    Clock::time_point start) {
+    return options.bound == "lanes" ? search_together(searched, call, start)
+                                    : search_in_turn(searched, call, start);
+  }
+
+  /// Adds what was found of all models, one answer for each place, to the result and lattice_poses.
+  void report_all(const std::vector<SearchedModel>& searched, const RgbdFrame& frame,
+                  const std::vector<SearchOutcome>& outcomes, int most, FrameResult& result) {
+    const std::size_t before = result.estimates.size();
+    const std::size_t outcomes_before = result.objects.size();
+    for (std::size_t i = 0; i < searched.size(); ++i) report(searched[i], frame, outcomes[i], result);
+    merge_resting_poses(before, outcomes_before, most, result);
+  }
+
+  /// Where as many places as given are known of an object, its search is over and one of them is doubtful:
+  /// adds its next best place, refined. False: nowhere.
+  bool look_further(const RefineFrame& seen, const RgbdFrame& frame,
+                    const std::vector<SearchedModel>& searched, const DetectCall& call, int places,
+                    Clock::time_point search_start, FrameResult& result) {
+    DetectCall further = call;
+    std::map<std::size_t, double> floors;  // by object
+    for (const SearchedModel& s : searched) {
+      const std::size_t object = object_of[s.index];
+      if (!floors.contains(object)) floors[object] = floor_of_next(object, places, result);
+    }
+    std::vector<SearchedModel> again;
+    for (SearchedModel s : searched) {
+      const double floor = floors[object_of[s.index]];
+      if (std::isinf(floor)) continue;
+      s.threshold = std::max(s.threshold, floor);
+      further.thresholds[models[s.index].name] = s.threshold;
+      further.found_at[models[s.index].name] = places_of(object_of[s.index], result);
+      again.push_back(s);
+    }
+    if (again.empty()) return false;
+    further.wanted = [&](const std::string& name) { return further.found_at.contains(name); };
+
+    const auto start = Clock::now();
+    const std::vector<SearchOutcome> outcomes = search(again, further, search_start);
+    const std::size_t before = result.estimates.size();
+    const std::vector<ObjectOutcome> claims = result.objects;  // the further ones are about the rest
+    report_all(again, frame, outcomes, 1, result);
+    result.objects = claims;
+    const auto refine_start = Clock::now();
+    result.seconds.search += std::chrono::duration<double>(refine_start - start).count();
+    refine_from(before, seen, frame, result);
+    result.seconds.refine += seconds_since(refine_start);
+    return result.estimates.size() > before;
+  }
+
+  /// What the next place of an object must score to be worth a look; infinity: there is no doubt, or no more
+  /// to find.
+  double floor_of_next(std::size_t object, int places, const FrameResult& result) const {
+    constexpr double kNowhere = std::numeric_limits<double>::infinity();
     for (const ObjectOutcome& o : result.objects) {
+      if (object_of[o.model_index] == object && o.status == SearchStatus::kBounded) return kNowhere;
+    }
+    int known = 0;
+    bool doubtful = false;
+    double floor = kNowhere;
+    for (std::size_t i = 0; i < result.estimates.size(); ++i) {
+      const PoseEstimate& e = result.estimates[i];
+      if (object_of[e.model_index] != object) continue;
+      ++known;
+      doubtful |= e.score < kDoubtful;
+      const FoundPose& f = lattice_poses[i];
+      const double zero = (*f.bins)[static_cast<std::size_t>(f.pose.bin)].zero;
+      floor = std::min(floor, zero + kWorthALook * (f.score - zero));
+    }
+    return known == places && doubtful ? floor : kNowhere;
+  }
+
+  /// The boxes of what was found of an object.
+  std::vector<Box2> places_of(std::size_t object, const FrameResult& result) const {
+    std::vector<Box2> boxes;
+    for (std::size_t i = 0; i < result.estimates.size(); ++i) {
+      const std::size_t model = result.estimates[i].model_index;
+      if (object_of[model] != object) continue;
+      const FoundPose& f = lattice_poses[i];
+      boxes.push_back(
+          box_of((*f.bins)[static_cast<std::size_t>(f.pose.bin)], f.constraint->camera().focal, f.pose));
+    }
+    return boxes;
+  }
+
+  /// Models of the same object are its resting poses: one answer for each place. Of what one search reported:
+  /// estimates and outcomes from the given ones on.
+  void merge_resting_poses(std::size_t first, std::size_t first_outcome, int most, FrameResult& result) {
+    std::map<std::size_t, std::vector<RestingBound>> bounds_of;  // by object
+    for (std::size_t i = first_outcome; i < result.objects.size(); ++i) {
+      const ObjectOutcome& o = result.objects[i];
       bounds_of[object_of[o.model_index]].push_back({o.model_index, o.upper_bound});
     }
-    std::vector<PoseEstimate> estimates;
-    std::vector<FoundPose> found;
+    std::vector<PoseEstimate> estimates(result.estimates.begin(),
+                                        result.estimates.begin() + static_cast<std::ptrdiff_t>(first));
+    std::vector<FoundPose> found(lattice_poses.begin(),
+                                 lattice_poses.begin() + static_cast<std::ptrdiff_t>(first));
     std::set<std::size_t> merged;
-    for (std::size_t i = 0; i < result.estimates.size(); ++i) {
+    for (std::size_t i = first; i < result.estimates.size(); ++i) {
       const std::size_t object = object_of[result.estimates[i].model_index];
       const std::vector<RestingBound>& bounds = bounds_of[object];
       if (bounds.size() < 2) {
@@ -296,7 +371,7 @@ struct Detector::Impl {
         of_object.push_back(k);
         answers.push_back({e.model_index, f.score, box_of(bin, f.constraint->camera().focal, f.pose)});
       }
-      for (const RestingChoice& choice : one_per_place(answers, bounds, searched_detections(options))) {
+      for (const RestingChoice& choice : one_per_place(answers, bounds, most)) {
         const std::size_t k = of_object[choice.answer];
         PoseEstimate e = result.estimates[k];
         e.upper_bound = choice.upper_bound;
@@ -315,59 +390,21 @@ struct Detector::Impl {
     lattice_poses = std::move(found);
   }
 
-  /// Replaces a lattice pose by the continuous one.
-  void refine(const RefineFrame& seen, const RgbdFrame& frame, PoseEstimate& estimate) {
-    const ObjectModel& model = models[estimate.model_index];
-    const RigidTransform mesh_from_object = model.object_from_mesh.inverse();
-    const RefinedPose refined =
-        refiners[estimate.model_index].refine(seen, estimate.camera_from_object * mesh_from_object);
-    estimate.camera_from_object = refined.camera_from_object * model.object_from_mesh;
-    const Eigen::Vector3d offset =
-        estimate.camera_from_object.translation() - refined.camera_from_object.translation();
-    estimate.covariance = moved_covariance(with_model_error(refined.covariance), offset);
-    estimate.refinement = refined.quality;
-    estimate.score = confidence(model.confidence, confidence_features(estimate));
-    estimate.bbox = outline_box(model, frame.camera, refined.camera_from_object);
+  /// Refines the estimates from the given one on.
+  void refine_from(std::size_t first, const RefineFrame& seen, const RgbdFrame& frame, FrameResult& result) {
+    answer_refiner.refine(seen, frame.camera, tables, std::span(lattice_poses).subspan(first),
+                          std::span(result.estimates).subspan(first));
   }
 
-  /// Where the score hardly tells which way an object is turned, the rigid model may: it sees every pixel.
-  /// What is chosen so is no longer the optimum of the score, and its certificate says by how much.
-  void try_other_turns(const RefineFrame& seen, const RgbdFrame& frame, const FoundPose& found,
-                       PoseEstimate& estimate) {
-    const ObjectModel& model = models[estimate.model_index];
-    const RigidTransform mesh_from_object = model.object_from_mesh.inverse();
-    const std::vector<ScoredBin>& bins = objects[estimate.model_index].bins;
-    const ScoredBin& bin = bins[static_cast<std::size_t>(found.pose.bin)];
-    const SearchProblem problem{bins, tables, *found.constraint, model.bounding_radius_m};
-    const double least = found.score - kNearlyAsGood * (bin.offset - bin.zero);
-    const double upper_bound = std::max(estimate.upper_bound, estimate.log_score);
-    for (const ScoredPose& other :
-         other_turns(problem, found.pose, model.symmetry_deg, least, kMostOtherTurns)) {
-      PoseEstimate turned = estimate;
-      turned.camera_from_object =
-          transform_from_pose(found.constraint->camera(), pose_of(other.pose)) * model.object_from_mesh;
-      turned.log_score = other.score;
-      turned.evidence_share = evidence_share(bins[static_cast<std::size_t>(other.pose.bin)], other.score);
-      turned.upper_bound = upper_bound;
-      turned.gap = std::max(0.0, upper_bound - other.score);
-      turned.status = turned.gap == 0 ? estimate.status : SearchStatus::kBounded;
-      turned.runner_up_margin = 0;
-      turned.runner_up_exact = false;
-      refine(seen, frame, turned);
-      turned.refinement.other_turn = true;
-      const double better = refiners[estimate.model_index].compare(
-          seen, estimate.camera_from_object * mesh_from_object, turned.camera_from_object * mesh_from_object);
-      // Where the shape is the same either way, the print and the outline tell.
-      if (better > kClearlyBetter || (better == 0 && turned.score > estimate.score)) estimate = turned;
-    }
-  }
-
+  /// Of the places that were looked at, those that are reported; objects in the order of their models.
   void report_most_certain(FrameResult& result) const {
-    if (options.candidates <= options.max_detections) return;
     std::vector<PoseEstimate> kept;
     for (const std::size_t i : keep_most_certain(result.estimates, object_of, options.max_detections)) {
       kept.push_back(std::move(result.estimates[i]));
     }
+    std::stable_sort(kept.begin(), kept.end(), [&](const PoseEstimate& a, const PoseEstimate& b) {
+      return object_of[a.model_index] < object_of[b.model_index];
+    });
     result.estimates = std::move(kept);
   }
 
@@ -382,13 +419,6 @@ struct Detector::Impl {
       }));
     }
   }
-
-  /// One object that this call looks for.
-  struct SearchedModel {
-    std::size_t index;
-    double threshold;
-    const Constraint* constraint;
-  };
 
   std::vector<SearchedModel> searched_models(const DetectCall& call,
                                              const std::vector<Constraint>& constraints) {
@@ -429,11 +459,16 @@ struct Detector::Impl {
   }
 
   /// What counts as another explanation of an object; empty where nobody asks.
-  std::optional<RunnerUpOptions> runner_up(std::size_t model) const {
-    if (!options.runner_up) return std::nullopt;
+  std::optional<RunnerUpOptions> runner_up(std::size_t model, const DetectCall& call) const {
+    if (!options.runner_up || !call.found_at.empty()) return std::nullopt;
     return RunnerUpOptions{
         {options.runner_up_radius_m, options.runner_up_angle_rad, models[model].symmetry_deg},
         options.runner_up_most};
+  }
+
+  std::vector<Box2> taken(std::size_t model, const DetectCall& call) const {
+    const auto found = call.found_at.find(models[model].name);
+    return found == call.found_at.end() ? std::vector<Box2>{} : found->second;
   }
 
   /// The last frame's poses of an object, moved to the best pose near them in this frame.
@@ -454,10 +489,10 @@ struct Detector::Impl {
     LaneSearchProblem problem{tables, lane_tables, {}, expiry(call, start, 1)};
     for (const SearchedModel& s : searched) {
       problem.targets.push_back({objects[s.index].bins, objects[s.index].lane_bins, *s.constraint,
-                                 models[s.index].bounding_radius_m, searched_detections(options), s.threshold,
-                                 runner_up(s.index), seeds(s)});
+                                 models[s.index].bounding_radius_m, most_found(call), s.threshold,
+                                 runner_up(s.index, call), seeds(s), taken(s.index, call)});
     }
-    return call.search ? call.search(problem) : lane_search.run(problem, pool);
+    return call.search ? call.search(problem, call) : lane_search.run(problem, pool);
   }
 
   /// The plain searches, one object after the other; each gets its share of the time that is left.
@@ -466,7 +501,8 @@ struct Detector::Impl {
     std::vector<SearchOutcome> outcomes;
     for (const SearchedModel& s : searched) {
       SearchOptions search_options;
-      search_options.max_detections = searched_detections(options);
+      search_options.max_detections = most_found(call);
+      search_options.excluded.boxes = taken(s.index, call);
       search_options.threshold = s.threshold;
       search_options.expired =
           expiry(call, start, 1 / static_cast<double>(searched.size() - outcomes.size()));
@@ -477,7 +513,7 @@ struct Detector::Impl {
         continue;
       }
       outcomes.push_back(branch_and_bound(problem, search_options, pool));
-      if (const auto rivals = runner_up(s.index); rivals && outcomes.back().complete) {
+      if (const auto rivals = runner_up(s.index, call); rivals && outcomes.back().complete) {
         outcomes.back().runner_ups =
             plain_runner_ups(problem, outcomes.back().found, search_options, *rivals, pool);
       }
@@ -493,7 +529,6 @@ struct Detector::Impl {
     const PinholeCamera& camera = searched.constraint->camera();
     result.nodes += outcome.nodes;
 
-    objects[index].last_found.clear();
     for (const ScoredPose& found : outcome.found) objects[index].last_found.push_back(found.pose);
 
     ObjectOutcome summary;
@@ -525,7 +560,7 @@ struct Detector::Impl {
         e.runner_up_exact = outcome.runner_ups[i].exact;
       }
       e.bbox = outline_box(model, frame.camera, camera_from_object);
-      lattice_poses.push_back({found.pose, found.score, searched.constraint});
+      lattice_poses.push_back({found.pose, found.score, &object.bins, searched.constraint});
       result.estimates.push_back(std::move(e));
     }
     result.objects.push_back(std::move(summary));

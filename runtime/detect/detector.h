@@ -36,9 +36,10 @@ struct DetectOptions {
   TableGeometry fixed_table;
   TableTolerance tolerance;
   int max_detections = 1;  ///< per object, 1..100
-  /// Places searched and refined per object, of which the most certain max_detections are reported; fewer
-  /// than those: max_detections. 1..100
-  int candidates = 1;
+  /// Most places searched and refined per object: while what would be reported is more likely wrong than
+  /// right, the next best place is looked at, and the most certain max_detections are reported. Up to
+  /// max_detections: no further place is looked at. 1..100
+  int candidates = 2;
   std::optional<double> threshold;     ///< log score that a detection must reach; empty: 10 % of the evidence
   double deadline_ms = 0;              ///< for the search of one frame; 0 = none
   int threads = 0;                     ///< of the search; 0 = all cores
@@ -59,9 +60,6 @@ struct DetectOptions {
   /// Margins of interest: a larger one is only proven to be at least this. Infinite: all are proven exactly.
   double runner_up_most = 5;
 };
-
-/// How many poses of each object the search proves.
-inline int searched_detections(const DetectOptions& o) { return std::max(o.max_detections, o.candidates); }
 
 /// What the search of one frame read and what it said, for whoever checks it. Valid during the call only.
 struct SearchRecord {
@@ -90,8 +88,12 @@ struct DetectCall {
   std::optional<double> deadline_ms{};               ///< instead of the options'; 0: none
   /// Rectangle of the image instead of the options' region.
   std::optional<std::array<double, 4>> image_region{};
-  /// Searches in the engine's place (bound "lanes"), for policies such as several processes.
-  std::function<std::vector<SearchOutcome>(const LaneSearchProblem&)> search{};
+  /// Where objects were found already, by name, in pixels of the searched image: one more place is looked
+  /// for, without a runner-up. The detector's own calls for further candidates say this.
+  std::map<std::string, std::vector<Box2>> found_at{};
+  /// Searches in the engine's place (bound "lanes"), for policies such as several processes. The second
+  /// argument is what is asked for: this call, or a further one of the detector's own for the same frame.
+  std::function<std::vector<SearchOutcome>(const LaneSearchProblem&, const DetectCall&)> search{};
   std::function<void(const SearchRecord&)> searched{};  ///< called once, after the search
 };
 

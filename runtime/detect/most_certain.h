@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// More places are searched and refined than are reported, where the user asks for candidates: what the score
-// likes best is not always what the rigid model explains best. Of each object the answers with the highest
+// More places may be searched and refined than are reported (DetectOptions::candidates): what the score likes
+// best is not always what the rigid model explains best. Of each object the answers with the highest
 // confidence remain; their certificates say by how much the score prefers what was dropped.
 #pragma once
 

@@ -117,7 +117,9 @@ int run(const Options& o) {
     const double start = seconds();
     DetectCall call;
     std::ofstream out(o.out);
-    call.search = [&](const LaneSearchProblem& problem) { return traced(problem, seconds() - start, out); };
+    call.search = [&](const LaneSearchProblem& problem, const DetectCall&) {
+      return traced(problem, seconds() - start, out);
+    };
     const FrameResult result = detector.detect(frame, call);
     std::printf("%s: %s\n", o.out.c_str(), result.estimates.empty() ? "absent" : "found");
     return 0;

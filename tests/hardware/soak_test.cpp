@@ -58,6 +58,8 @@ TEST(Soak, MemoryAndFilesStayConstant) {
         break;
       default:
         vivid::unplug();
+        // Plugged in before it is let go of, the camera would come back under another node.
+        ASSERT_TRUE(vivid::reaches(*source, SourceState::kWaiting));
         vivid::plug();
     }
   }

@@ -161,6 +161,14 @@ def ranks(model):
     mpirun = ["mpirun", "--oversubscribe", "--enable-recovery"]
     for count in range(1, 7):
         check(answers(run(*mpirun, "-n", count, RANKS, *options)) == alone, f"{count} ranks change the answer")
+    # Where the best place is doubtful, all ranks look for the next best one.
+    doubtful = ["detect", model, "--dataset", SAMPLE, "--image", 0, "--angle-tolerance-deg", 4, "--region", "320 0 320 480",
+                "--false-positive-rate", 1, "--threads", 1, "--json"]
+    further = run(SEXTANT, *doubtful)
+    nodes = [json.loads(done.stdout.splitlines()[0])["nodes"] for done in (run(SEXTANT, *doubtful, "--candidates", 1), further)]
+    check(nodes[0] < nodes[1], f"a further place was looked at: {nodes}")
+    for count in (2, 3):
+        check(answers(run(*mpirun, "-n", count, RANKS, *doubtful)) == answers(further), f"{count} ranks look further differently")
     one = [*options, "--image", 1]
     truth = answers(run(SEXTANT, *one))
     for fault in ("1:64:9", "2:640:9"):  # SIGKILL

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 
 #include "runtime/search/evaluate.h"
@@ -189,6 +190,10 @@ struct LaneSearch::Impl {
       states[t] = std::make_unique<TargetState>();
       TargetState& s = *states[t];
       s.target = &p.targets[t];
+      if (!s.target->taken.empty() && s.target->runner_up) {
+        throw std::logic_error("a search beside earlier detections proves no runner-up");
+      }
+      s.boxes = s.target->taken;
       s.first_bin = static_cast<int>(target_of_bin.size());
       target_of_bin.insert(target_of_bin.end(), s.target->bins.size(), static_cast<std::uint16_t>(t));
       for (std::size_t g = 0; g < s.grids.size(); ++g)
@@ -655,7 +660,7 @@ struct LaneSearch::Impl {
       const SearchProblem space{t.bins, problem->exact, t.constraint, t.bounding_radius_m};
       for (const LatticePose& seed : t.seeds) {
         const auto score = score_of(space, seed);
-        if (score && *score >= t.threshold) s->offer({seed, *score});
+        if (score && *score >= t.threshold && !suppressed(*s, seed)) s->offer({seed, *score});
       }
     }
   }

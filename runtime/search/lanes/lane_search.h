@@ -15,6 +15,7 @@
 #include "runtime/search/constraint.h"
 #include "runtime/search/lanes/lane_bin.h"
 #include "runtime/search/lanes/lane_node.h"
+#include "runtime/search/suppression.h"
 #include "runtime/tables/lane_tables.h"
 
 namespace sextant {
@@ -31,6 +32,8 @@ struct LaneTarget {
   std::optional<RunnerUpOptions> runner_up{};
   /// Poses to begin with (see seeds.h); those that are not of this space are ignored.
   std::vector<LatticePose> seeds{};
+  /// Detections of an earlier search: poses that they suppress do not count. With them there is no runner-up.
+  std::vector<Box2> taken{};
 };
 
 struct LaneSearchProblem {

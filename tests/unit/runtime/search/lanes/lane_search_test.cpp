@@ -53,6 +53,46 @@ TEST(LaneSearch, FindsWhatBruteForceFinds) {
   EXPECT_GT(with_detections, 60);
 }
 
+TEST(LaneSearch, FindsTheNextDetectionBesideWhatAnEarlierSearchTook) {
+  WorkerPool serial(1);
+  WorkerPool three(3);
+  int next = 0, none = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const SmallSpace s(seed, 16 + static_cast<int>(seed % 5), 12, 0.9, 0.915);
+    SearchOptions options;
+    options.max_detections = 2;
+    options.threshold = seed % 2 ? -1e6 : -200;
+    const SearchOutcome truth = brute_force(s.search(), s.space, options);
+    if (truth.found.empty()) continue;
+    const LatticePose& first = truth.found[0].pose;
+    const Box2 taken = box_of(s.bins[static_cast<std::size_t>(first.bin)], s.problem.camera().focal, first);
+    // In every third space nothing else is good enough.
+    if (seed % 3 == 0) options.threshold = truth.found[0].score;
+    const bool another = truth.found.size() > 1 && truth.found[1].score >= options.threshold;
+    PreparedTarget prepared(s.bins, s.constraint, 1, options.threshold);
+    prepared.target.taken = {taken};
+    prepared.target.seeds = {first};  // suppressed: of no use
+    options.max_detections = 1;
+    options.excluded.boxes = {taken};
+    const SearchOutcome plain = branch_and_bound(s.search(), options, serial);
+    for (WorkerPool* pool : {&serial, &three}) {
+      const SearchOutcome found = run_lanes(s.problem.tables(), prepared, *pool);
+      EXPECT_TRUE(found.complete);
+      expect_same(found, plain, seed);
+      ASSERT_EQ(found.found.size(), another ? 1U : 0U) << "seed " << seed;
+      if (!another) {
+        EXPECT_EQ(found.upper_bound, options.threshold);
+        continue;
+      }
+      EXPECT_EQ(found.found[0].pose, truth.found[1].pose) << "seed " << seed;
+      EXPECT_EQ(found.found[0].score, truth.found[1].score) << "seed " << seed;
+    }
+    ++(another ? next : none);
+  }
+  EXPECT_GT(next, 10);
+  EXPECT_GT(none, 2);
+}
+
 TEST(LaneSearch, AgreesWithThePlainTwinOnWholeFrames) {
   WorkerPool serial(1);
   std::size_t found = 0;
