@@ -182,6 +182,15 @@ double Constraint::coverage(const std::vector<ViewpointBin>& bins) const {
   if (!table_) return 1;
   constexpr int kSteps = 16;
   constexpr int kOffsets = 2;
+  // Bins of all turns share their tilts.
+  std::vector<RotationBox> tilts;
+  for (const ViewpointBin& bin : bins) {
+    const auto same = [&](const RotationBox& other) {
+      return other.lo_deg[0] == bin.box.lo_deg[0] && other.hi_deg[0] == bin.box.hi_deg[0] &&
+             other.lo_deg[1] == bin.box.lo_deg[1] && other.hi_deg[1] == bin.box.hi_deg[1];
+    };
+    if (std::none_of(tilts.begin(), tilts.end(), same)) tilts.push_back(bin.box);
+  }
   int feasible = 0;
   int covered = 0;
   for (int i = 0; i < kSteps; ++i) {
@@ -199,8 +208,8 @@ double Constraint::coverage(const std::vector<ViewpointBin>& bins) const {
           const double ry_deg = (up.ry + b * table_->tolerance.angle_rad / kOffsets) / kOneDegree;
           if (ry_deg < -90) continue;  // over the pole: the same pose has another rx
           ++feasible;
-          covered += std::any_of(bins.begin(), bins.end(),
-                                 [&](const ViewpointBin& bin) { return box_holds(bin.box, rx_deg, ry_deg); })
+          covered += std::any_of(tilts.begin(), tilts.end(),
+                                 [&](const RotationBox& tilt) { return box_holds(tilt, rx_deg, ry_deg); })
                          ? 1
                          : 0;
         }
