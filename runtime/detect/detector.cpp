@@ -38,7 +38,7 @@ double seconds_since(Clock::time_point start) {
 /// at.
 constexpr double kDoubtful = 0.5;
 /// Share of the doubtful answer's evidence that the next best place must reach.
-constexpr double kWorthALook = 0.8;
+constexpr double kWorthALook = 0.9;
 /// A model under the chosen scoring.
 struct SearchedObject {
   std::vector<ScoredBin> bins;

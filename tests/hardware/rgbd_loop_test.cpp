@@ -82,17 +82,19 @@ class RgbdLoop : public testing::Test {
       stream->controls = {"loop_video=1", "osd_text_mode=2"};
       stream->watchdog = 2000ms;
     }
-    begin();
+    ASSERT_TRUE(begin());
   }
 
-  void begin() {
-    vivid::prepare_loop("/dev/video0", "/dev/video10");
-    vivid::prepare_loop("/dev/video1", "/dev/video11");
+  /// False: something streams from the cameras already.
+  bool begin() {
+    if (!vivid::prepare_loop("/dev/video0", "/dev/video10")) return false;
+    if (!vivid::prepare_loop("/dev/video1", "/dev/video11")) return false;
     const auto code = [](PixelFormat format) { return info_of(format).fourcc; };
     producers_[0] = std::make_unique<vivid::Producer>("/dev/video10", code(PixelFormat::kYuyv), kWidth,
                                                       kHeight, yuyv_of(colour_));
     producers_[1] = std::make_unique<vivid::Producer>("/dev/video11", code(PixelFormat::kY16), kWidth,
                                                       kHeight, bytes_of(depth_));
+    return true;
   }
 
   double colour_error(const RgbdFrame& frame) const {
@@ -169,22 +171,32 @@ TEST_F(RgbdLoop, APairSurvivesThatBothCamerasGoAndComeBack) {
   const auto source = open_source(options_);
   ASSERT_TRUE(known_frame(*source).has_value()) << source->condition();
   producers_ = {};
-  vivid::unplug();
-  const auto end = std::chrono::steady_clock::now() + 30s;
-  while (source->state() != SourceState::kWaiting && std::chrono::steady_clock::now() < end)
-    source->next(20ms);
-  EXPECT_EQ(source->state(), SourceState::kWaiting);
-  EXPECT_FALSE(source->condition().empty());
-  vivid::plug();
-  const MonotonicTime back = std::chrono::steady_clock::now();
-  begin();
+  // On a busy machine the source may be the first to open what came back, and stream pictures in the driver's
+  // own timings: then they go once more.
+  MonotonicTime back;
+  std::uint64_t times = 0;
+  bool looped = false;
+  while (!looped && times < 10) {
+    vivid::unplug();
+    const auto end = std::chrono::steady_clock::now() + 30s;
+    while (source->state() != SourceState::kWaiting && std::chrono::steady_clock::now() < end)
+      source->next(20ms);
+    ASSERT_EQ(source->state(), SourceState::kWaiting);
+    EXPECT_FALSE(source->condition().empty());
+    vivid::plug();
+    back = std::chrono::steady_clock::now();
+    looped = begin();
+    ++times;
+  }
+  ASSERT_TRUE(looped);
   // A pair from before may come late: the test allows any age.
   std::optional<RgbdFrame> frame;
   do {
     frame = known_frame(*source);
     ASSERT_TRUE(frame.has_value()) << unlike_ << "; " << source->condition();
   } while (frame->captured_monotonic < back);
-  EXPECT_EQ(source->statistics().reconnects, 2U);
+  EXPECT_GE(source->statistics().reconnects, 2U);  // of both cameras
+  EXPECT_LE(source->statistics().reconnects, 2 * times);
 }
 
 }  // namespace

@@ -123,18 +123,19 @@ void Producer::queue(std::uint32_t index) const {
   must(VIDIOC_QBUF, &buffer, "queue");
 }
 
-void prepare_loop(const std::string& capture, const std::string& output) {
+bool prepare_loop(const std::string& capture, const std::string& output) {
   for (const std::string& node : {output, capture}) {
-    // A source that waits for the device may have opened it before us: with these timings it streams nothing
-    // that it wants, and lets go of it again.
+    // A source that waits for the device may have opened it before us, and lets go of it again.
     int error = EBUSY;
-    for (int i = 0; i < 500 && error == EBUSY; ++i) {
+    for (int i = 0; i < 100 && error == EBUSY; ++i) {
       v4l2_dv_timings timings = V4L2_DV_BT_CEA_640X480P59_94;
       error = V4l2Device(node).call(VIDIOC_S_DV_TIMINGS, &timings);
       if (error == EBUSY) std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
+    if (error == EBUSY) return false;
     if (error != 0) throw std::runtime_error(node + ": timings: " + error_text(error));
   }
+  return true;
 }
 
 }  // namespace sextant::vivid

@@ -56,7 +56,7 @@ class Producer {
   std::jthread thread_;
 };
 
-/// Makes a loop-back input 640x480 and lets it show its output.
-void prepare_loop(const std::string& capture, const std::string& output);
+/// Makes a loop-back input 640x480 and lets it show its output. False: somebody streams from it already.
+bool prepare_loop(const std::string& capture, const std::string& output);
 
 }  // namespace sextant::vivid

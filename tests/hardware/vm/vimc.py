@@ -65,5 +65,7 @@ def udev_lines(build):
     return [place, "mkdir -p /lib/udev /lib/systemd /run/udev",
             "cp -a $udev/lib/udev/. /lib/udev/", "cp -a $udev/lib/systemd/systemd-udevd /lib/systemd/",
             "cp -a $udev/bin/udevadm /usr/bin/", "rm -f /run/udev/control",
+            # The machine's root is changed into; udev must not mind.
+            "export SYSTEMD_IGNORE_CHROOT=1",
             "/lib/systemd/systemd-udevd --daemon --resolve-names=never",
             "udevadm trigger --action=add --subsystem-match=media --subsystem-match=video4linux", "udevadm settle"]

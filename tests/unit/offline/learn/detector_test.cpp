@@ -124,7 +124,7 @@ TEST_F(DetectorWithTwoBoxes, TheMoreCertainOfTwoIsTheAnswerWhereTheBestIsDoubtfu
     const PoseEstimate& next = both.estimates[1];
     const PoseEstimate& e = one.estimates[0];
     ASSERT_LT(best.score, 0.5);
-    const bool other = next.score > best.score && next.log_score >= 0.8 * best.log_score;
+    const bool other = next.score > best.score && next.log_score >= 0.9 * best.log_score;
     ++(other ? second : first);
     const PoseEstimate& wanted = other ? next : best;
     EXPECT_TRUE(e.camera_from_object.isApprox(wanted.camera_from_object, 0));
