@@ -85,6 +85,7 @@ std::vector<ObjectObservations> observe(const std::vector<ObjectModel>& models,
                                         const std::function<void(std::size_t, std::size_t)>& progress) {
   options.false_positive_rate = 1;
   options.refine = true;
+  options.candidates = 1;  // all places that are looked at count, whatever the present confidence says
   std::size_t total = 0;
   for (const BopDataset& set : datasets) total += set.images.size();
   Detector detector(models, options);

@@ -90,7 +90,9 @@ CLI::App* add_calibrate_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--threshold", a.detect.threshold, "log score that a detection must reach");
-  command->add_option("--max-detections", a.detect.max_detections, "per object and image")
+  command
+      ->add_option("--max-detections", a.detect.max_detections,
+                   "per object and image: as many places as detection looks at")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command->add_option("--angle-tolerance-deg", a.angle_tolerance_deg, "of the table constraint")

@@ -49,7 +49,8 @@ void DetectArguments::add_to(CLI::App& command) {
   colour_option->excludes(set)->needs(depth_option)->needs(camera_option);
   command.add_option("--csv", csv, "BOP results file to write");
   command.add_option("--overlay", overlay, "folder for pictures with outlines and axes");
-  command.add_option("--proof", proof, "file for a certificate that `sextant verify` can check (slow)");
+  auto* proof_option =
+      command.add_option("--proof", proof, "file for a certificate that `sextant verify` can check (slow)");
   command.add_option("--max-detections", detect.max_detections, "per object and image")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -57,7 +58,9 @@ void DetectArguments::add_to(CLI::App& command) {
       .add_option(
           "--candidates", detect.candidates,
           "most places searched and refined per object: while what is found is more likely wrong than "
-          "right, the next best place is looked at; the most certain are reported. 1: only the best")
+          "right, the next best place is looked at; the most certain are reported. 1: only the best, "
+          "which is all that --proof looks at")
+      ->excludes(proof_option)
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command.add_option("--threshold", threshold,

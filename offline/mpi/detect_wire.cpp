@@ -109,10 +109,13 @@ void append_call(Bytes& bytes, const DetectCall& call, const std::vector<ObjectM
     append(bytes, !call.wanted || call.wanted(model.name));
     const auto threshold = call.thresholds.find(model.name);
     append_maybe(bytes, threshold == call.thresholds.end() ? std::nullopt : std::optional(threshold->second));
-    const auto found = call.found_at.find(model.name);
-    const std::vector<Box2> places = found == call.found_at.end() ? std::vector<Box2>{} : found->second;
-    append(bytes, places.size());
-    for (const Box2& place : places) append(bytes, place);
+  }
+  append(bytes, call.further.size());
+  for (const FurtherPlace& place : call.further) {
+    append(bytes, place.model);
+    append(bytes, place.threshold);
+    append(bytes, place.taken.size());
+    for (const Box2& box : place.taken) append(bytes, box);
   }
   append_maybe(bytes, call.image_region);
 }
@@ -123,8 +126,13 @@ DetectCall take_call(ByteReader& reader, const std::vector<ObjectModel>& models)
   for (const ObjectModel& model : models) {
     if (reader.take<bool>()) wanted.insert(model.name);
     if (const auto threshold = take_maybe<double>(reader)) call.thresholds[model.name] = *threshold;
-    for (auto places = reader.take<std::size_t>(); places > 0; --places) {
-      call.found_at[model.name].push_back(reader.take<Box2>());
+  }
+  for (auto places = reader.take<std::size_t>(); places > 0; --places) {
+    FurtherPlace& place = call.further.emplace_back();
+    place.model = reader.take<std::size_t>();
+    place.threshold = reader.take<double>();
+    for (auto boxes = reader.take<std::size_t>(); boxes > 0; --boxes) {
+      place.taken.push_back(reader.take<Box2>());
     }
   }
   call.wanted = [wanted](const std::string& name) { return wanted.count(name) > 0; };

@@ -54,7 +54,7 @@ ExitCode run(const MpiDetectArguments& a) {
   const ExitCode code = run_detect(a.detect, [&](const RgbdFrame& frame, DetectCall& call) {
     coordinator.send_frame(frame, call, detector.models());
     call.search = [&](const LaneSearchProblem& problem, const DetectCall& asked) {
-      if (!asked.found_at.empty()) coordinator.send_frame(frame, asked, detector.models());
+      if (!asked.further.empty()) coordinator.send_frame(frame, asked, detector.models());
       return coordinator.run(problem);
     };
   });

@@ -54,7 +54,7 @@ class OtherRanks {
     coordinator_.send_frame(frame, call, detector->models());
     call.search = [this, &frame, detector](const LaneSearchProblem& problem, const DetectCall& asked) {
       const std::lock_guard held(mutex_);
-      if (!asked.found_at.empty()) coordinator_.send_frame(frame, asked, detector->models());
+      if (!asked.further.empty()) coordinator_.send_frame(frame, asked, detector->models());
       return coordinator_.run(problem);
     };
   }

@@ -21,15 +21,18 @@ constexpr double kClearlyBetter = 0.1;
 }  // namespace
 
 AnswerRefiner::AnswerRefiner(const std::vector<ObjectModel>& models, WorkerPool& pool)
-    : models_(models), pool_(pool) {
-  for (const ObjectModel& model : models) {
-    std::vector<Refiner>& of_model = refiners_.emplace_back();
-    for (int thread = 0; thread < pool.threads(); ++thread) of_model.emplace_back(model);
-  }
+    : models_(models), pool_(pool) {}
+
+Refiner& AnswerRefiner::refiner(std::size_t model, std::size_t slot) {
+  std::unique_ptr<Refiner>& mine = refiners_[model][slot];
+  if (!mine) mine = std::make_unique<Refiner>(models_[model]);
+  return *mine;
 }
 
 void AnswerRefiner::refine(const RefineFrame& seen, const CameraModel& camera, const FrameTables& tables,
                            std::span<const FoundPose> found, std::span<PoseEstimate> answers) {
+  refiners_.resize(models_.size());
+  for (auto& of_model : refiners_) of_model.resize(static_cast<std::size_t>(pool_.threads()));
   const std::vector<PoseEstimate> lattice(answers.begin(), answers.end());
   std::vector<std::vector<PoseEstimate>> turned(answers.size());
   for_each_with_slot(2 * answers.size(), [&](std::size_t item, std::size_t slot) {
@@ -67,7 +70,7 @@ void AnswerRefiner::refine_one(const RefineFrame& seen, const CameraModel& camer
   const ObjectModel& model = models_[answer.model_index];
   const RigidTransform mesh_from_object = model.object_from_mesh.inverse();
   const RefinedPose refined =
-      refiners_[answer.model_index][slot].refine(seen, answer.camera_from_object * mesh_from_object);
+      refiner(answer.model_index, slot).refine(seen, answer.camera_from_object * mesh_from_object);
   answer.camera_from_object = refined.camera_from_object * model.object_from_mesh;
   const Eigen::Vector3d offset =
       answer.camera_from_object.translation() - refined.camera_from_object.translation();
@@ -108,8 +111,9 @@ void AnswerRefiner::choose_turn(const RefineFrame& seen, std::size_t slot, PoseE
                                 PoseEstimate& answer) {
   const RigidTransform mesh_from_object = models_[answer.model_index].object_from_mesh.inverse();
   turned.refinement.other_turn = true;
-  const double better = refiners_[answer.model_index][slot].compare(
-      seen, answer.camera_from_object * mesh_from_object, turned.camera_from_object * mesh_from_object);
+  const double better = refiner(answer.model_index, slot)
+                            .compare(seen, answer.camera_from_object * mesh_from_object,
+                                     turned.camera_from_object * mesh_from_object);
   // Where the shape is the same either way, the print and the outline tell.
   if (better > kClearlyBetter || (better == 0 && turned.score > answer.score)) answer = turned;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -39,6 +40,7 @@ class AnswerRefiner {
               std::span<const FoundPose> found, std::span<PoseEstimate> answers);
 
  private:
+  Refiner& refiner(std::size_t model, std::size_t slot);
   void for_each_with_slot(std::size_t items, const std::function<void(std::size_t, std::size_t)>& work);
   void refine_one(const RefineFrame& seen, const CameraModel& camera, std::size_t slot, PoseEstimate& answer);
   std::vector<PoseEstimate> turned_otherwise(const FrameTables& tables, const PoseEstimate& answer,
@@ -47,7 +49,7 @@ class AnswerRefiner {
 
   const std::vector<ObjectModel>& models_;
   WorkerPool& pool_;
-  std::vector<std::vector<Refiner>> refiners_;  ///< per model, one for each thread
+  std::vector<std::vector<std::unique_ptr<Refiner>>> refiners_;  ///< per model and thread, made when needed
 };
 
 }  // namespace sextant

@@ -199,6 +199,7 @@ struct Detector::Impl {
     std::size_t index;
     double threshold;
     const Constraint* constraint;
+    std::vector<Box2> taken{};  ///< by what was found already
   };
 
   FrameResult detect(const RgbdFrame& frame, const DetectCall& call) {
@@ -239,7 +240,8 @@ struct Detector::Impl {
       const auto refine_start = Clock::now();
       refine_from(0, seen, frame, result);
       result.seconds.refine = seconds_since(refine_start);
-      const bool can_look_further = options.bound != "thesis";
+      // Ranks would have to prepare the frame once more within the deadline.
+      const bool can_look_further = options.bound != "thesis" && !(call.search && deadline_ms(call) > 0);
       for (int places = options.max_detections; can_look_further && places < options.candidates; ++places) {
         if (!look_further(seen, frame, searched, call, places, search_start, result)) break;
       }
@@ -251,7 +253,7 @@ struct Detector::Impl {
   }
 
   /// How many poses of each object a call is about.
-  int most_found(const DetectCall& call) const { return call.found_at.empty() ? options.max_detections : 1; }
+  int most_found(const DetectCall& call) const { return call.further.empty() ? options.max_detections : 1; }
 
   std::vector<SearchOutcome> search(const std::vector<SearchedModel>& searched, const DetectCall& call,
                                     Clock::time_point start) {
@@ -268,28 +270,28 @@ struct Detector::Impl {
     merge_resting_poses(before, outcomes_before, most, result);
   }
 
-  /// Where as many places as given are known of an object, its search is over and one of them is doubtful:
-  /// adds its next best place, refined. False: nowhere.
+  /// Where as many places as given are known of an object, its search is over and what would be reported is
+  /// doubtful: adds its next best place, refined. False: there is no more to look for, or no time.
   bool look_further(const RefineFrame& seen, const RgbdFrame& frame,
                     const std::vector<SearchedModel>& searched, const DetectCall& call, int places,
                     Clock::time_point search_start, FrameResult& result) {
-    DetectCall further = call;
+    const auto expired = expiry(call, search_start, 1);
+    if (expired && expired()) return false;
     std::map<std::size_t, double> floors;  // by object
     for (const SearchedModel& s : searched) {
       const std::size_t object = object_of[s.index];
       if (!floors.contains(object)) floors[object] = floor_of_next(object, places, result);
     }
+    DetectCall further = call;
     std::vector<SearchedModel> again;
-    for (SearchedModel s : searched) {
+    for (const SearchedModel& s : searched) {
       const double floor = floors[object_of[s.index]];
       if (std::isinf(floor)) continue;
-      s.threshold = std::max(s.threshold, floor);
-      further.thresholds[models[s.index].name] = s.threshold;
-      further.found_at[models[s.index].name] = places_of(object_of[s.index], result);
-      again.push_back(s);
+      again.push_back(
+          {s.index, std::max(s.threshold, floor), s.constraint, places_of(object_of[s.index], result)});
+      further.further.push_back({s.index, again.back().threshold, again.back().taken});
     }
     if (again.empty()) return false;
-    further.wanted = [&](const std::string& name) { return further.found_at.contains(name); };
 
     const auto start = Clock::now();
     const std::vector<SearchOutcome> outcomes = search(again, further, search_start);
@@ -297,33 +299,49 @@ struct Detector::Impl {
     const std::vector<ObjectOutcome> claims = result.objects;  // the further ones are about the rest
     report_all(again, frame, outcomes, 1, result);
     result.objects = claims;
+    for (std::size_t i = before; i < result.estimates.size(); ++i)
+      cap_by_first_search(result.estimates[i], claims);
     const auto refine_start = Clock::now();
     result.seconds.search += std::chrono::duration<double>(refine_start - start).count();
     refine_from(before, seen, frame, result);
     result.seconds.refine += seconds_since(refine_start);
-    return result.estimates.size() > before;
+    return result.estimates.size() > before &&
+           std::all_of(outcomes.begin(), outcomes.end(), [](const SearchOutcome& o) { return o.complete; });
   }
 
-  /// What the next place of an object must score to be worth a look; infinity: there is no doubt, or no more
-  /// to find.
+  /// What the first search proved of all poses beside the first places holds for a further place as well.
+  static void cap_by_first_search(PoseEstimate& e, const std::vector<ObjectOutcome>& claims) {
+    for (const ObjectOutcome& claim : claims) {
+      if (claim.model_index != e.model_index) continue;
+      e.upper_bound = std::min(e.upper_bound, std::max(claim.upper_bound, e.log_score));
+      e.gap = std::max(0.0, e.upper_bound - e.log_score);
+    }
+  }
+
+  /// What the next place of an object must score to be worth a look; infinity: what would be reported is not
+  /// doubtful, or there is no more to find.
   double floor_of_next(std::size_t object, int places, const FrameResult& result) const {
     constexpr double kNowhere = std::numeric_limits<double>::infinity();
     for (const ObjectOutcome& o : result.objects) {
       if (object_of[o.model_index] == object && o.status == SearchStatus::kBounded) return kNowhere;
     }
-    int known = 0;
-    bool doubtful = false;
-    double floor = kNowhere;
+    std::vector<std::size_t> known;
     for (std::size_t i = 0; i < result.estimates.size(); ++i) {
-      const PoseEstimate& e = result.estimates[i];
-      if (object_of[e.model_index] != object) continue;
-      ++known;
-      doubtful |= e.score < kDoubtful;
+      if (object_of[result.estimates[i].model_index] == object) known.push_back(i);
+    }
+    if (static_cast<int>(known.size()) != places) return kNowhere;
+    std::stable_sort(known.begin(), known.end(), [&](std::size_t a, std::size_t b) {
+      return result.estimates[a].score > result.estimates[b].score;
+    });
+    known.resize(std::min(known.size(), static_cast<std::size_t>(options.max_detections)));
+    double floor = kNowhere;
+    for (const std::size_t i : known) {
+      if (result.estimates[i].score >= kDoubtful) continue;
       const FoundPose& f = lattice_poses[i];
       const double zero = (*f.bins)[static_cast<std::size_t>(f.pose.bin)].zero;
       floor = std::min(floor, zero + kWorthALook * (f.score - zero));
     }
-    return known == places && doubtful ? floor : kNowhere;
+    return floor;
   }
 
   /// The boxes of what was found of an object.
@@ -396,16 +414,28 @@ struct Detector::Impl {
                           std::span(result.estimates).subspan(first));
   }
 
-  /// Of the places that were looked at, those that are reported; objects in the order of their models.
+  /// Of the places that were looked at, those that are reported: by object, best first. What is known of the
+  /// objects then speaks of the others, too.
   void report_most_certain(FrameResult& result) const {
-    std::vector<PoseEstimate> kept;
-    for (const std::size_t i : keep_most_certain(result.estimates, object_of, options.max_detections)) {
-      kept.push_back(std::move(result.estimates[i]));
+    std::vector<double> found;
+    for (const FoundPose& f : lattice_poses) found.push_back(f.score);
+    std::vector<std::size_t> kept =
+        keep_most_certain(result.estimates, found, object_of, options.max_detections);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (std::binary_search(kept.begin(), kept.end(), i)) continue;
+      for (ObjectOutcome& o : result.objects) {
+        if (object_of[o.model_index] == object_of[result.estimates[i].model_index])
+          o.upper_bound = std::max(o.upper_bound, found[i]);
+      }
     }
-    std::stable_sort(kept.begin(), kept.end(), [&](const PoseEstimate& a, const PoseEstimate& b) {
-      return object_of[a.model_index] < object_of[b.model_index];
+    std::stable_sort(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) {
+      const std::size_t first = object_of[result.estimates[a].model_index];
+      const std::size_t second = object_of[result.estimates[b].model_index];
+      return first != second ? first < second : found[a] > found[b];
     });
-    result.estimates = std::move(kept);
+    std::vector<PoseEstimate> reported;
+    for (const std::size_t i : kept) reported.push_back(std::move(result.estimates[i]));
+    result.estimates = std::move(reported);
   }
 
   /// Leaves out what is less certain than the wanted false-positive rate allows.
@@ -423,13 +453,16 @@ struct Detector::Impl {
   std::vector<SearchedModel> searched_models(const DetectCall& call,
                                              const std::vector<Constraint>& constraints) {
     std::vector<SearchedModel> searched;
-    for (std::size_t i = 0; i < models.size(); ++i) {
+    for (const FurtherPlace& place : call.further) {
+      searched.push_back({place.model, place.threshold, &constraints.at(place.model), place.taken});
+    }
+    for (std::size_t i = 0; call.further.empty() && i < models.size(); ++i) {
       if (call.wanted && !call.wanted(models[i].name)) continue;
       const auto threshold = call.thresholds.find(models[i].name);
       searched.push_back({i, threshold == call.thresholds.end() ? objects[i].threshold : threshold->second,
                           &constraints[i]});
-      objects[i].prepare_for(searched.back().threshold);
     }
+    for (const SearchedModel& s : searched) objects[s.index].prepare_for(s.threshold);
     return searched;
   }
 
@@ -448,11 +481,12 @@ struct Detector::Impl {
     return out;
   }
 
+  double deadline_ms(const DetectCall& call) const { return call.deadline_ms.value_or(options.deadline_ms); }
+
   /// True when the time is over or the caller wants no more; empty where neither can happen.
   std::function<bool()> expiry(const DetectCall& call, Clock::time_point start, double share) const {
-    const double deadline_ms = call.deadline_ms.value_or(options.deadline_ms);
-    if (!(deadline_ms > 0)) return call.stop;
-    const double left_ms = (deadline_ms - 1e3 * seconds_since(start)) * share;
+    if (!(deadline_ms(call) > 0)) return call.stop;
+    const double left_ms = (deadline_ms(call) - 1e3 * seconds_since(start)) * share;
     const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                         std::chrono::duration<double, std::milli>(left_ms));
     return [end, &call] { return Clock::now() >= end || (call.stop && call.stop()); };
@@ -460,15 +494,10 @@ struct Detector::Impl {
 
   /// What counts as another explanation of an object; empty where nobody asks.
   std::optional<RunnerUpOptions> runner_up(std::size_t model, const DetectCall& call) const {
-    if (!options.runner_up || !call.found_at.empty()) return std::nullopt;
+    if (!options.runner_up || !call.further.empty()) return std::nullopt;
     return RunnerUpOptions{
         {options.runner_up_radius_m, options.runner_up_angle_rad, models[model].symmetry_deg},
         options.runner_up_most};
-  }
-
-  std::vector<Box2> taken(std::size_t model, const DetectCall& call) const {
-    const auto found = call.found_at.find(models[model].name);
-    return found == call.found_at.end() ? std::vector<Box2>{} : found->second;
   }
 
   /// The last frame's poses of an object, moved to the best pose near them in this frame.
@@ -490,7 +519,8 @@ struct Detector::Impl {
     for (const SearchedModel& s : searched) {
       problem.targets.push_back({objects[s.index].bins, objects[s.index].lane_bins, *s.constraint,
                                  models[s.index].bounding_radius_m, most_found(call), s.threshold,
-                                 runner_up(s.index, call), seeds(s), taken(s.index, call)});
+                                 runner_up(s.index, call),
+                                 call.further.empty() ? seeds(s) : std::vector<LatticePose>{}, s.taken});
     }
     return call.search ? call.search(problem, call) : lane_search.run(problem, pool);
   }
@@ -502,7 +532,7 @@ struct Detector::Impl {
     for (const SearchedModel& s : searched) {
       SearchOptions search_options;
       search_options.max_detections = most_found(call);
-      search_options.excluded.boxes = taken(s.index, call);
+      search_options.excluded.boxes = s.taken;
       search_options.threshold = s.threshold;
       search_options.expired =
           expiry(call, start, 1 / static_cast<double>(searched.size() - outcomes.size()));

@@ -78,6 +78,13 @@ struct SearchRecord {
   std::vector<Object> objects;  ///< those that were looked for
 };
 
+/// One more place of one model: its best pose beside what was found already.
+struct FurtherPlace {
+  std::size_t model = 0;    ///< of the detector's models
+  double threshold = 0;     ///< log score that the place must reach
+  std::vector<Box2> taken;  ///< of what was found, pixels of the searched image
+};
+
 /// What may differ from frame to frame.
 struct DetectCall {
   /// True: give up soon. What was found so far is returned as kBounded. Asked often, from any
@@ -88,9 +95,9 @@ struct DetectCall {
   std::optional<double> deadline_ms{};               ///< instead of the options'; 0: none
   /// Rectangle of the image instead of the options' region.
   std::optional<std::array<double, 4>> image_region{};
-  /// Where objects were found already, by name, in pixels of the searched image: one more place is looked
-  /// for, without a runner-up. The detector's own calls for further candidates say this.
-  std::map<std::string, std::vector<Box2>> found_at{};
+  /// Not empty: only these models are looked for, one place of each, without a runner-up, whatever else is
+  /// wanted. The detector's own calls for further candidates say this.
+  std::vector<FurtherPlace> further{};
   /// Searches in the engine's place (bound "lanes"), for policies such as several processes. The second
   /// argument is what is asked for: this call, or a further one of the detector's own for the same frame.
   std::function<std::vector<SearchOutcome>(const LaneSearchProblem&, const DetectCall&)> search{};

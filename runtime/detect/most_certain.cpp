@@ -22,6 +22,7 @@ void speak_of(double dropped, PoseEstimate& e) {
 }  // namespace
 
 std::vector<std::size_t> keep_most_certain(std::vector<PoseEstimate>& estimates,
+                                           const std::vector<double>& found,
                                            const std::vector<std::size_t>& object_of, int most) {
   std::map<std::size_t, std::vector<std::size_t>> by_object;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
@@ -34,7 +35,8 @@ std::vector<std::size_t> keep_most_certain(std::vector<PoseEstimate>& estimates,
     const std::size_t count = std::min(of_object.size(), static_cast<std::size_t>(most));
     for (std::size_t k = 0; k < count; ++k) {
       for (std::size_t d = count; d < of_object.size(); ++d) {
-        speak_of(estimates[of_object[d]].log_score, estimates[of_object[k]]);
+        const std::size_t dropped = of_object[d];
+        speak_of(std::max(found.at(dropped), estimates[dropped].log_score), estimates[of_object[k]]);
       }
       kept.push_back(of_object[k]);
     }

@@ -11,10 +11,12 @@
 
 namespace sextant {
 
-/// Indices of the estimates that remain, in their order: at most `most` for each object. object_of: by
+/// Indices of the estimates that remain, in their order: at most `most` for each object. found: the score of
+/// the lattice pose behind each estimate, which may have been turned since and score less. object_of: by
 /// PoseEstimate::model_index. Bounds, gaps, margins and statuses in `estimates` then speak of the dropped
 /// ones, too.
 std::vector<std::size_t> keep_most_certain(std::vector<PoseEstimate>& estimates,
+                                           const std::vector<double>& found,
                                            const std::vector<std::size_t>& object_of, int most);
 
 }  // namespace sextant

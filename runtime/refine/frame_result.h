@@ -62,7 +62,7 @@ struct ObjectOutcome {
   std::size_t model_index = 0;  ///< of the detector's models
   int object_id = 0;
   std::string object_name;
-  SearchStatus status = SearchStatus::kAbsent;
+  SearchStatus status = SearchStatus::kAbsent;  ///< of the search; a reported pose has its own
   double upper_bound = 0;       ///< of every pose that is neither reported nor suppressed by a reported one
   double threshold = 0;         ///< log score that a pose had to reach
   double coverage = 1;          ///< share of the feasible poses that the model's bins cover

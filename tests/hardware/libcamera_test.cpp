@@ -112,34 +112,18 @@ TEST_F(Libcamera, RefusalsSayWhatThereIs) {
   EXPECT_THAT(refusal([&] { open_libcamera_source(options_); }), HasSubstr(device_.id));
 }
 
+// The last one: libcamera is of no use to this process afterwards. Its pipeline for vimc, unlike that for USB
+// cameras, cannot let go of a camera: stopping it, and adding it again, each end the process by an assertion.
 TEST_F(Libcamera, SurvivesThatItsDriverGoes) {
   const auto source = open_libcamera_source(options_);
-  for (std::uint64_t round = 1; round <= 2; ++round) {
-    ASSERT_TRUE(vivid::next_image(*source).has_value());
-    write_to(std::string(kDriver) + "/unbind", "vimc.0");
-    EXPECT_TRUE(vivid::reaches(*source, SourceState::kWaiting)) << source->condition();
-    write_to(std::string(kDriver) + "/bind", "vimc.0");
-    const auto back = std::chrono::steady_clock::now();
-    EXPECT_TRUE(vivid::next_image(*source).has_value()) << source->condition();
-    const std::chrono::duration<double> recovery = std::chrono::steady_clock::now() - back;
-    printf("libcamera recovery: %.2f s after the driver was bound\n", recovery.count());
-    EXPECT_EQ(source->statistics().reconnects, round);
-  }
-}
-
-// The last one: libcamera is of no use to this process afterwards.
-TEST_F(Libcamera, WithoutUdevALostCameraIsNotTheProgramsEnd) {
-  const auto source = open_libcamera_source(options_);
   ASSERT_TRUE(vivid::next_image(*source).has_value());
-  ASSERT_EQ(std::system("udevadm control --exit"), 0);
   write_to(std::string(kDriver) + "/unbind", "vimc.0");
   EXPECT_TRUE(vivid::reaches(*source, SourceState::kWaiting)) << source->condition();
-  const auto end = std::chrono::steady_clock::now() + 30s;
-  while (source->condition().find("without udev") == std::string::npos &&
-         std::chrono::steady_clock::now() < end)
-    source->next(50ms);
-  EXPECT_THAT(source->condition(), HasSubstr("start this program again"));
+  write_to(std::string(kDriver) + "/bind", "vimc.0");
+  const auto end = std::chrono::steady_clock::now() + 10s;
+  while (std::chrono::steady_clock::now() < end) EXPECT_FALSE(source->next(50ms).has_value());
   EXPECT_EQ(source->state(), SourceState::kWaiting);
+  EXPECT_THAT(source->condition(), HasSubstr("start this program again"));
 }
 
 }  // namespace

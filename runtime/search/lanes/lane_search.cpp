@@ -469,7 +469,15 @@ struct LaneSearch::Impl {
       Worker& from = *workers[static_cast<std::size_t>(i) % active];
       if (!from.frontier.empty()) best.push_back(from.frontier.take());
     }
-    for (const LaneNode& node : best) probe(w, node);
+    // One answer at least, however late it is.
+    for (std::size_t i = 0; i < best.size(); ++i) {
+      w.until_look = 1;
+      if (i > 0 && out_of_time(w)) {
+        w.frontier.put(best[i]);
+      } else {
+        probe(w, best[i]);
+      }
+    }
   }
 
   bool steal(std::size_t me) {
