@@ -93,7 +93,14 @@ struct TargetState {
   std::mutex mutex;  ///< guards best and leaves
   ScoredPose best{{}, kNever};
   std::atomic<double> best_score{kNever};
+  std::atomic<double> unvisited{
+      kNever};  ///< no pose below the roots that time did not suffice for scores higher
 
+  void leave_unvisited(double bound) {
+    double now = unvisited.load(std::memory_order_relaxed);
+    while (bound > now && !unvisited.compare_exchange_weak(now, bound)) {
+    }
+  }
   bool last_wanted() const { return static_cast<int>(outcome.found.size()) + 1 >= target->max_detections; }
   /// Rivals of this detection or of later ones do not matter below this.
   double floor_of_rival(std::size_t i) const {
@@ -278,8 +285,7 @@ struct LaneSearch::Impl {
       if (node.lo[0] > node.hi[0] || node.lo[1] > node.hi[1]) continue;
       const float most = rounded_up(s.target->bins[b].offset);
       if (out_of_time(w)) {
-        node.bound = most;
-        if (most >= s.target->threshold) out.push_back(node);
+        s.leave_unvisited(most);
       } else if (bound(w, node, most)) {
         out.push_back(node);
       }
@@ -626,7 +632,7 @@ struct LaneSearch::Impl {
 
   /// Out of time: the highest bound of what is left for each object.
   double highest_waiting(TargetState& s) {
-    double highest = kNever;
+    double highest = s.unvisited.load();
     for_each_waiting([&](const LaneNode& node) {
       if (&state_of(node) != &s || node.bound <= highest) return;
       if ((node.alive & ~suppressed_lanes(s, node) & ~lanes_in_balls(s, node)) == 0) return;
