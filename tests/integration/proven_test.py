@@ -14,7 +14,7 @@ import tempfile
 import time
 from pathlib import Path
 
-BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
+BIN, SOURCE = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 SEXTANT, RANKS = BIN / "sextant", BIN / "sextant-mpi"
 SAMPLE = SOURCE / "data/sample"
 # A coarse model of the views that the sample has: quick to learn, good enough to find the box.
@@ -266,7 +266,7 @@ publish: {{domain: {domain}}}
 
 
 with tempfile.TemporaryDirectory() as name:
-    box = Path(sys.argv[3]) if len(sys.argv) > 3 else Path(name) / "box.sxm"
+    box = Path(sys.argv[3]).resolve() if len(sys.argv) > 3 else Path(name) / "box.sxm"
     if not box.exists():
         (Path(name) / "learning.yaml").write_text(PARAMETERS)
         run(SEXTANT, "compile", SOURCE / "data/meshes/printed_box.obj", "--units", "mm", "--up", "z", "--object-id", 1,

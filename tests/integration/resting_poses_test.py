@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
+BIN, SOURCE = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 SEXTANT = BIN / "sextant"
 MESH = SOURCE / "data/meshes/printed_box.obj"
 PARAMETERS = """min_pitch_deg: 40

@@ -9,7 +9,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
+BIN, SOURCE = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 MESH = [SOURCE / "data/meshes/tea_box.obj", "--units", "mm", "--up", "z"]
 PARAMETERS = """min_pitch_deg: 38
 max_pitch_deg: 40

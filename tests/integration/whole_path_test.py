@@ -10,7 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-BIN, SOURCE = Path(sys.argv[1]), Path(sys.argv[2])
+BIN, SOURCE = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
 MESHES, SAMPLE = SOURCE / "data/meshes", SOURCE / "data/sample"
 # A coarse model of the views that the sample has: quick to learn, good enough to find the box.
 PARAMETERS = """min_pitch_deg: 40
