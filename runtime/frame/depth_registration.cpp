@@ -29,6 +29,13 @@ inline float reach_of(float step, float z, float other_z, float half, float limi
   return reach < limit ? reach : limit;
 }
 
+/// Where the colour image is coarser, every sample has so many pixels a side: more would fall into the same
+/// pixels.
+int samples_apart(const CameraModel& depth, const CameraModel& colour) {
+  const double finer = std::min(depth.fx / colour.fx, depth.fy / colour.fy);
+  return std::clamp(static_cast<int>(finer + 0.05), 1, std::max(1, std::min(depth.width, depth.height)));
+}
+
 }  // namespace
 
 DepthRegistration::DepthRegistration(const CameraModel& depth, const CameraModel& colour,
@@ -38,8 +45,10 @@ DepthRegistration::DepthRegistration(const CameraModel& depth, const CameraModel
       rotation_(colour_from_depth.linear().cast<float>()),
       translation_(colour_from_depth.translation().cast<float>()),
       colour_distorted_(colour.has_distortion()),
-      half_x_(static_cast<float>(0.5 * colour.fx / depth.fx)),
-      half_y_(static_cast<float>(0.5 * colour.fy / depth.fy)) {
+      stride_(samples_apart(depth, colour)),
+      columns_(depth.width / stride_),
+      half_x_(static_cast<float>(0.5 * stride_ * colour.fx / depth.fx)),
+      half_y_(static_cast<float>(0.5 * stride_ * colour.fy / depth.fy)) {
   depth.check(where + ": depth camera");
   colour.check(where + ": colour camera");
   const Eigen::Matrix3d& r = colour_from_depth.linear();
@@ -55,26 +64,26 @@ DepthRegistration::DepthRegistration(const CameraModel& depth, const CameraModel
       farthest_tangent2_ = std::max(farthest_tangent2_, static_cast<float>(1.1 * tangent2));
     }
   }
-  const auto width = static_cast<std::size_t>(depth.width);
-  const std::size_t pixels = width * static_cast<std::size_t>(depth.height);
+  const auto width = static_cast<std::size_t>(columns_);
+  const std::size_t pixels = width * static_cast<std::size_t>(rows());
   for (auto& coordinate : rays_) coordinate.resize(pixels);
   std::size_t i = 0;
-  for (int y = 0; y < depth.height; ++y) {
-    for (int x = 0; x < depth.width; ++x, ++i) {
-      const Eigen::Vector2d tangent = depth.undistorted_tangent(x, y);
+  for (int y = 0; y < rows(); ++y) {
+    for (int x = 0; x < columns_; ++x, ++i) {
+      const Eigen::Vector2d tangent = depth.undistorted_tangent(pixel_of(x), pixel_of(y));
       const Eigen::Vector3d ray = r * Eigen::Vector3d(tangent.x(), tangent.y(), 1);
       for (int k = 0; k < 3; ++k) rays_[k][i] = static_cast<float>(ray[k]);
     }
   }
-  for (Row& row : rows_) {
+  for (Row& row : row_buffers_) {
     for (auto* values : {&row.u, &row.v, &row.z}) values->assign(width + 2, 0);
   }
   for (auto* values : {&left_, &right_, &top_, &bottom_}) values->assign(width, 0);
 }
 
 void DepthRegistration::project(const cv::Mat& depth, int y, Row& row) const {
-  const float* __restrict in = depth.ptr<float>(y);
-  const std::size_t start = static_cast<std::size_t>(y) * static_cast<std::size_t>(depth_.width);
+  const float* __restrict in = depth.ptr<float>(pixel_of(y)) + pixel_of(0);
+  const std::size_t start = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_);
   const float* rx = rays_[0].data() + start;
   const float* ry = rays_[1].data() + start;
   const float* rz = rays_[2].data() + start;
@@ -88,13 +97,14 @@ void DepthRegistration::project(const cv::Mat& depth, int y, Row& row) const {
   const auto fy = static_cast<float>(colour_.fy);
   const auto cx = static_cast<float>(colour_.cx);
   const auto cy = static_cast<float>(colour_.cy);
-  const int width = depth_.width;
+  const int width = columns_;
+  const int stride = stride_;
   // Pixels far outside are clamped there, so that later conversions to integers are defined.
   const float least = -0.5F * kOffset;
   const float most = 2.0F * kOffset;
   // Written for compilers to vectorise: one selection a line, no &&, two loops instead of a guarded division.
   for (int x = 0; x < width; ++x) {
-    const float d = std::max(0.0F, in[x]);  // a NaN becomes 0
+    const float d = std::max(0.0F, in[x * stride]);  // a NaN becomes 0
     const float there = rz[x] * d + tz;
     const float margin = std::min(std::min(d, kFarthest - d), there - kNearest);
     u[x] = margin > 0.0F ? d : 0.0F;
@@ -127,7 +137,7 @@ void DepthRegistration::project(const cv::Mat& depth, int y, Row& row) const {
 }
 
 void DepthRegistration::splat(const Row& above_row, const Row& row, const Row& below_row, cv::Mat& out) {
-  const int width = depth_.width;
+  const int width = columns_;
   // Behind the leading missing sample.
   const float* u = row.u.data() + 1;
   const float* v = row.v.data() + 1;
@@ -193,13 +203,13 @@ cv::Mat DepthRegistration::registered(const cv::Mat& axial_depth_m) {
                      "give the calibration of that size");
   }
   cv::Mat out(colour_.height, colour_.width, CV_32FC1, cv::Scalar(kMissing));
-  Row* above = &rows_[0];
-  Row* row = &rows_[1];
-  Row* below = &rows_[2];
+  Row* above = &row_buffers_[0];
+  Row* row = &row_buffers_[1];
+  Row* below = &row_buffers_[2];
   std::fill(above->z.begin(), above->z.end(), 0.0F);
   project(axial_depth_m, 0, *row);
-  for (int y = 0; y < depth_.height; ++y) {
-    if (y + 1 < depth_.height) {
+  for (int y = 0; y < rows(); ++y) {
+    if (y + 1 < rows()) {
       project(axial_depth_m, y + 1, *below);
     } else {
       std::fill(below->z.begin(), below->z.end(), 0.0F);

@@ -27,7 +27,8 @@ class DepthRegistration {
   /// axial_depth_m: CV_32FC1 of the depth camera, metres along its axis; 0, negative and non-finite =
   /// missing. Result: CV_32FC1 metres along the colour camera's axis, 0 = missing. A pixel takes the sample
   /// whose footprint covers its centre; footprints of neighbours on one surface touch (no cracks), and end
-  /// half a pixel beyond a sample where the surface ends. Throws InputError for another type or size.
+  /// half a pixel beyond a sample where the surface ends. Of a depth image that is finer by a whole number,
+  /// one sample stands for so many pixels a side. Throws InputError for another type or size.
   cv::Mat registered(const cv::Mat& axial_depth_m);
 
  private:
@@ -37,6 +38,9 @@ class DepthRegistration {
     std::vector<float> u, v, z;  ///< pixel and axial depth there; z 0 = missing
   };
 
+  int rows() const { return depth_.height / stride_; }
+  /// Column or row of the depth image behind that of a sample.
+  int pixel_of(int sample) const { return sample * stride_ + (stride_ - 1) / 2; }
   void project(const cv::Mat& depth, int y, Row& row) const;
   void splat(const Row& above, const Row& row, const Row& below, cv::Mat& out);
 
@@ -46,10 +50,12 @@ class DepthRegistration {
   Eigen::Vector3f translation_;
   bool colour_distorted_ = false;
   float farthest_tangent2_ = 0;  ///< of the colour image, squared, with a margin
-  float half_x_ = 0;             ///< half a depth pixel at equal depth, colour pixels
+  int stride_ = 1;               ///< depth pixels from one sample to the next
+  int columns_ = 0;              ///< samples in a row
+  float half_x_ = 0;             ///< half a sample at equal depth, colour pixels
   float half_y_ = 0;
-  std::vector<float> rays_[3];  ///< rotated tangent rays of every depth pixel, by coordinate
-  Row rows_[3];
+  std::vector<float> rays_[3];  ///< rotated tangent rays of every sample, by coordinate
+  Row row_buffers_[3];
   std::vector<int> left_, right_, top_, bottom_;  ///< first and last pixels of one row's footprints
 };
 

@@ -191,6 +191,10 @@ TEST(DepthRegistration, FillsNoCracksWhenColourIsFiner) {
 TEST(DepthRegistration, KeepsTheNearestWhenColourIsCoarser) {
   expect_matches_scene({camera(424, 320, 380, 380), camera(200, 150, 165, 165)});
 }
+TEST(DepthRegistration, OneSampleStandsForManyWhenColourIsMuchCoarser) {
+  expect_matches_scene({camera(640, 480, 580, 580), camera(160, 120, 131, 131)});
+  expect_matches_scene({camera(640, 480, 580, 570), camera(320, 240, 290, 288)});
+}
 TEST(DepthRegistration, UndoesDistortionOfBoth) {
   Rig rig{camera(320, 240, 290, 290), camera(320, 240, 262, 270)};
   rig.depth.distortion = {0.08, -0.05, 0.001, -0.002, 0};
