@@ -2,6 +2,7 @@
 #include "hal/sources/open_source.h"
 
 #include <algorithm>
+#include <string>
 
 #include "hal/libcamera/libcamera_source.h"
 #include "hal/v4l2/v4l2_source.h"
@@ -33,7 +34,12 @@ StreamOptions stream_of(StreamOptions stream, const CameraModel& camera, bool de
 
 PairedSourceOptions pairing_of(const SourceOptions& options) {
   PairedSourceOptions pairing;
+  if (options.width != 0 && (options.width < 64 || options.width > 4096)) {
+    throw UsageError("frames cannot be " + std::to_string(options.width) + " pixels wide",
+                     "use 64 to 4096, or 0 for the colour image's width");
+  }
   pairing.composer.rectify = options.rectify;
+  pairing.composer.width = options.width;
   pairing.max_age = options.max_age;
   pairing.frame_id = options.frame_id;
   return pairing;

@@ -26,6 +26,7 @@ struct SourceOptions {
   std::filesystem::path rig;    ///< calibration of the two cameras; needed by devices, may replace CameraInfo
   DdsRgbdOptions dds;           ///< of kind dds; domain, topics
   bool rectify = true;          ///< of devices and dds: undo lens distortion and fx != fy
+  int width = 0;                ///< of devices and dds: of the frames, 64..4096; 0: the colour image's
   std::chrono::milliseconds max_age{
       100};              ///< of devices and dds: older frames are dropped as stale; 0: none is
   std::string frame_id;  ///< given to every frame; empty: as the source says

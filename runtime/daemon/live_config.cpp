@@ -111,6 +111,16 @@ std::vector<ConfigField> live_fields(LiveConfig& c) {
        .target = &c.rectify,
        .text = "Undo lens distortion and unequal focal lengths."},
       {.section = "live",
+       .key = "width",
+       .target = &c.width,
+       .text =
+           "Width of the frames that are made of the two images: scaled down, and rectified, when they are "
+           "put together. Pixels in messages, regions and pictures are then those of these frames. 0: the "
+           "colour image's.",
+       .unit = "pixels",
+       .lowest = 0,
+       .highest = 4096},
+      {.section = "live",
        .key = "max_age_ms",
        .target = &c.max_age_ms,
        .text = "Images and pairs older than this are dropped and counted as stale; 0: none is.",
@@ -145,6 +155,8 @@ void check_live_config(const LiveConfig& config, const std::string& source_kind,
   if (!is_live(source_kind)) return;
   check_stream(config.colour, source_kind, false, where);
   check_stream(config.depth, source_kind, true, where);
+  if (config.width != 0 && config.width < 64)
+    throw InputError(where, "live.width is below 64", "use 64 to 4096, or 0 for the colour image's width");
   if (source_kind == "dds") return;
   if (config.rig.empty())
     throw InputError(where, "live.rig is missing",
@@ -161,6 +173,7 @@ void add_live_options(const LiveConfig& config, const std::string& source_kind, 
   options.dds.depth_topic = config.depth.topic;
   options.dds.stamp_on_arrival = config.stamp_on_arrival;
   options.rectify = config.rectify;
+  options.width = config.width;
   options.max_age = std::chrono::milliseconds(std::llround(config.max_age_ms));
 }
 

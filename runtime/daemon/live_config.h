@@ -22,6 +22,7 @@ struct LiveConfig {
 
   std::string rig;
   bool rectify = true;
+  int width = 0;
   double max_age_ms = 100;
   bool stamp_on_arrival = false;
   double watchdog_ms = 1000;

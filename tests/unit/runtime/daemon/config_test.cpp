@@ -207,7 +207,8 @@ TEST(Config, FoldersOfModelsAreThoseOfThePatterns) {
 constexpr char kCameras[] =
     "source: {kind: v4l2}\nmodels: {files: [m.sxm]}\ndetect: {table: estimate}\n"
     "colour: {device: usb-Maker_Cam-video-index0, format: MJPG, rate_hz: 15, controls: [\"gain=16\"]}\n"
-    "depth: {device: \"serial:7\"}\nlive: {rig: rig.yaml, max_age_ms: 80, watchdog_ms: 500, buffers: 6}\n";
+    "depth: {device: \"serial:7\"}\nlive: {rig: rig.yaml, width: 640, max_age_ms: 80, watchdog_ms: 500, "
+    "buffers: 6}\n";
 
 TEST(Config, CamerasReachTheirSource) {
   const DaemonConfig config = parse(kCameras);
@@ -215,6 +216,7 @@ TEST(Config, CamerasReachTheirSource) {
   EXPECT_EQ(source.kind, "v4l2");
   EXPECT_EQ(source.rig, config.folder / "rig.yaml");
   EXPECT_EQ(source.max_age, std::chrono::milliseconds(80));
+  EXPECT_EQ(source.width, 640);
   EXPECT_EQ(source.colour.device, "usb-Maker_Cam-video-index0");
   EXPECT_EQ(source.colour.format, "MJPG");
   EXPECT_EQ(source.colour.rate_hz, 15);
@@ -240,6 +242,8 @@ TEST(Config, CamerasAreCheckedBeforeTheyAreOpened) {
   EXPECT_THAT(but("MJPG", "Z16"), HasSubstr("colour.format Z16 holds no colour"));
   EXPECT_THAT(but("MJPG", "H264"), HasSubstr("the name of a format"));
   EXPECT_THAT(but("rig: rig.yaml, ", ""), HasSubstr("live.rig is missing"));
+  EXPECT_THAT(but("width: 640", "width: 30"), HasSubstr("live.width is below 64"));
+  EXPECT_THAT(but("width: 640", "width: 5000"), HasSubstr("live.width"));
   EXPECT_THAT(but("table: estimate", "table: frame"), HasSubstr("does not say where the table is"));
   EXPECT_THAT(but("kind: v4l2", "kind: dds"), HasSubstr("colour.topic is missing"));
   EXPECT_THAT(but("kind: v4l2", "kind: webcam"), HasSubstr("one of playback, v4l2, libcamera, dds"));
