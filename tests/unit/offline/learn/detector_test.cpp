@@ -14,6 +14,7 @@
 #include "runtime/detect/detector.h"
 #include "runtime/geometry/pose_mapping.h"
 #include "runtime/refine/confidence.h"
+#include "tests/support/rendered_frame.h"
 
 namespace sextant {
 namespace {
@@ -67,16 +68,7 @@ class DetectorWithTwoBoxes : public testing::Test {
       }
       const RenderedView view =
           renderer.render(p.camera, {0, 0, kWidth, kHeight}, items, {{-0.5, -1, 0}, 0.5}, {150, 140, 130});
-      RgbdFrame frame;
-      frame.colour = view.colour;
-      frame.camera = {kWidth, kHeight, p.camera.focal, p.camera.focal, p.camera.cx, p.camera.cy, {}};
-      frame.table = table;
-      frame.axial_depth_m = view.ray_depth_m.clone();
-      for (int v = 0; v < kHeight; ++v) {
-        for (int u = 0; u < kWidth; ++u)
-          frame.axial_depth_m.at<float>(v, u) *= static_cast<float>(p.camera.ray(u, v).z());
-      }
-      frames_.push_back(std::move(frame));
+      frames_.push_back(frame_of(view, p.camera, table));
     }
   }
   static void TearDownTestSuite() {

@@ -12,6 +12,7 @@
 #include "offline/synthesize/random.h"
 #include "runtime/detect/detector.h"
 #include "runtime/geometry/pose_mapping.h"
+#include "tests/support/rendered_frame.h"
 
 namespace sextant {
 namespace {
@@ -88,16 +89,7 @@ TEST(OtherTurn, TheRigidModelTellsWhatTheScoreCannotAndTheCertificateSaysSo) {
     const RenderedView view = renderer.render(p.camera, {0, 0, kWidth, kHeight},
                                               {{mesh, truth}, {scenery.textured_tables.at(0), foot}},
                                               {{-0.5, -1, 0}, 0.5}, {150, 140, 130});
-    RgbdFrame frame;
-    frame.colour = view.colour;
-    frame.camera = {kWidth, kHeight, p.camera.focal, p.camera.focal, p.camera.cx, p.camera.cy, {}};
-    frame.table = table;
-    frame.axial_depth_m = view.ray_depth_m.clone();
-    for (int v = 0; v < kHeight; ++v) {
-      for (int u = 0; u < kWidth; ++u)
-        frame.axial_depth_m.at<float>(v, u) *= static_cast<float>(p.camera.ray(u, v).z());
-    }
-    const FrameResult result = detector.detect(frame);
+    const FrameResult result = detector.detect(frame_of(view, p.camera, table));
     ASSERT_EQ(1U, result.estimates.size()) << turn;
     const PoseEstimate& e = result.estimates[0];
     const RigidTransform found = e.camera_from_object * model.object_from_mesh.inverse();

@@ -16,6 +16,7 @@
 #include "offline/synthesize/depth_sensor.h"
 #include "runtime/detect/detector.h"
 #include "runtime/geometry/pose_mapping.h"
+#include "tests/support/rendered_frame.h"
 
 namespace sextant {
 namespace {
@@ -88,14 +89,7 @@ class Robustness : public testing::Test {
       }
       const RenderedView view =
           renderer.render(camera, {0, 0, kWidth, kHeight}, items, {{-0.5, -1, 0}, 0.5}, {150, 140, 130});
-      known.frame.colour = view.colour;
-      known.frame.camera = {kWidth, kHeight, camera.focal, camera.focal, camera.cx, camera.cy, {}};
-      known.frame.table = table;
-      known.frame.axial_depth_m = view.ray_depth_m.clone();
-      for (int v = 0; v < kHeight; ++v) {
-        for (int u = 0; u < kWidth; ++u)
-          known.frame.axial_depth_m.at<float>(v, u) *= static_cast<float>(camera.ray(u, v).z());
-      }
+      known.frame = frame_of(view, camera, table);
       known.mask = view.item == 0;
       frames_.push_back(std::move(known));
     }
