@@ -275,8 +275,6 @@ struct Detector::Impl {
   bool look_further(const RefineFrame& seen, const RgbdFrame& frame,
                     const std::vector<SearchedModel>& searched, const DetectCall& call, int places,
                     Clock::time_point search_start, FrameResult& result) {
-    const auto expired = expiry(call, search_start, 1);
-    if (expired && expired()) return false;
     std::map<std::size_t, double> floors;  // by object
     for (const SearchedModel& s : searched) {
       const std::size_t object = object_of[s.index];
@@ -292,6 +290,8 @@ struct Detector::Impl {
       further.further.push_back({s.index, again.back().threshold, again.back().taken});
     }
     if (again.empty()) return false;
+    const auto expired = expiry(call, search_start, 1);
+    if (expired && expired()) return false;
 
     const auto start = Clock::now();
     const std::vector<SearchOutcome> outcomes = search(again, further, search_start);
