@@ -33,13 +33,13 @@ namespace lc = libcamera;
 /// libcamera names formats as DRM does, by the value of a little-endian pixel: its RGB888 lies in memory as
 /// B, G, R.
 inline const std::vector<std::pair<PixelFormat, lc::PixelFormat>>& formats() {
-  static const std::vector<std::pair<PixelFormat, lc::PixelFormat>> list{
+  static const std::vector<std::pair<PixelFormat, lc::PixelFormat>> kList{
       {PixelFormat::kYuyv, lc::formats::YUYV},    {PixelFormat::kUyvy, lc::formats::UYVY},
       {PixelFormat::kNv12, lc::formats::NV12},    {PixelFormat::kRgb24, lc::formats::BGR888},
       {PixelFormat::kBgr24, lc::formats::RGB888}, {PixelFormat::kMjpeg, lc::formats::MJPEG},
       {PixelFormat::kGrey, lc::formats::R8},
   };
-  return list;
+  return kList;
 }
 
 inline std::unique_ptr<lc::CameraConfiguration> video_configuration(lc::Camera& camera) {

@@ -434,6 +434,7 @@ struct Detector::Impl {
       return first != second ? first < second : found[a] > found[b];
     });
     std::vector<PoseEstimate> reported;
+    reported.reserve(kept.size());
     for (const std::size_t i : kept) reported.push_back(std::move(result.estimates[i]));
     result.estimates = std::move(reported);
   }

@@ -58,7 +58,8 @@ class TileGrid {
   int x0(std::size_t i) const { return static_cast<int>(i) % columns_ * width_; }
   int y0(std::size_t i) const { return static_cast<int>(i) / columns_ * height_; }
   const LaneTile& at(int x0, int y0) {
-    auto& slot = tiles_[static_cast<std::size_t>(y0 / height_ * columns_ + x0 / width_)];
+    auto& slot = tiles_[static_cast<std::size_t>(y0 / height_) * static_cast<std::size_t>(columns_) +
+                        static_cast<std::size_t>(x0 / width_)];
     LaneTile* tile = slot.load(std::memory_order_acquire);
     if (tile != nullptr) return *tile;
     auto made = std::make_unique<LaneTile>(lane_tile(*constraint_, stage_, x0, y0));
